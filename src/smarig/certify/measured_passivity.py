@@ -13,15 +13,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from smarig.certify.certificate_units import with_unit
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
 from smarig.certify.passivity import passivity
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.preisach import Preisach, State
 
-Array = NDArray[np.float64]
 SPREADS = 4.0  # standard deviations
 SHORTEST = 3  # smallest number of readings that determines a spread
 

@@ -11,11 +11,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from smarig.core import Array
 from smarig.preisach import Everett, FodSurface, FodTable, Mirrored
 
-Array = NDArray[np.float64]
 Draw = Callable[[np.random.Generator], Everett]
 
 

@@ -23,9 +23,8 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.control import not_negative
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 
-Array = NDArray[np.float64]
 _ORDER = 2
 _ROUNDING = 1e-12
 

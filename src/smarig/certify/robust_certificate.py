@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.certify.model_posterior import ModelPosterior
-from smarig.core import UsageError, beta_quantile
+from smarig.core import Array, UsageError, beta_quantile
 from smarig.preisach import Everett, FodSurface, Mirrored
 from smarig.theory import moments_on
 
-Array = NDArray[np.float64]
 SAMPLES = 100
 _LEVELS = 129
 _ZERO = 1e-9  # relative: a smaller negative value is rounding

@@ -15,15 +15,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from smarig.control.lagged_operator import LaggedOperator
 from smarig.control.velocity.velocity_controller import positive
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError
 from smarig.preisach import Everett, Initial
 from smarig.theory import recoverable_energy
 
-Array = NDArray[np.float64]
 ControlLaw = Callable[[int, float], float]
 
 

@@ -7,6 +7,8 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.core import file_content as file_content
     from smarig.core import file_work as file_work
+    from smarig.core.array import Array as Array
+    from smarig.core.array import root_mean_square as root_mean_square
     from smarig.core.atomic_file import atomic_file as atomic_file
     from smarig.core.atomic_file import check_replaceable as check_replaceable
     from smarig.core.atomic_file import check_writable as check_writable

@@ -1,10 +1,11 @@
 """The correlation of two records, whatever their units."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from smarig.core.array import Array
 
 
-def correlation(u: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+def correlation(u: Array, y: Array) -> float:
     """Pearson's coefficient of two records that are not constant.
 
     Both are scaled by a power of two, which changes no digit: the square of 1e-310 would be 0, that of 1e200 infinite.
@@ -15,5 +16,5 @@ def correlation(u: NDArray[np.float64], y: NDArray[np.float64]) -> float:
     return float(np.corrcoef(_scaled(u), _scaled(y))[0, 1])
 
 
-def _scaled(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _scaled(values: Array) -> Array:
     return np.ldexp(values, -np.frexp(np.abs(values).max())[1])

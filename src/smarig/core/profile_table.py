@@ -4,8 +4,8 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core.array import Array
 from smarig.core.errors import DataError, UsageError
 from smarig.core.file_content import TABLE
 from smarig.core.number_text import number_from_text
@@ -31,7 +31,7 @@ def profile_rows(path: Path) -> list[list[str]]:
         raise DataError(f"Table {path} is not a text table.") from None
 
 
-def profile_numbers(path: Path, rows: list[list[str]], columns: int) -> NDArray[np.float64]:
+def profile_numbers(path: Path, rows: list[list[str]], columns: int) -> Array:
     """The first ``columns`` of all rows after the header, (n, columns). DataError names the line of a wrong cell."""
     values = []
     for number, row in enumerate(rows[1:], start=2):

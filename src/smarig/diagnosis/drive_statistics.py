@@ -3,11 +3,10 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.replay import PlantModel, Prediction, ReadingSeries, Timeline
 
-Array = NDArray[np.float64]
 Bounds = tuple[float, float]
 JITTER_S = 0.02  # uncertainty of a time stamp
 CORRELATIONS_S = (120.0, 30.0, 300.0)

@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Integers = NDArray[np.int64]
 PARTS = ("between_runs", "slow", "branch", "level", "fast")
 SLOW_WAVES, LEVEL_WAVES = 6, 4

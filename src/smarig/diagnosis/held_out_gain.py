@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.refit.density_prior import density_prior
 from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.refit.reading_noise import FREE_ZERO_SD
@@ -23,7 +24,6 @@ from smarig.diagnosis.refit.refit import NoiseEstimate
 from smarig.record import Run
 from smarig.replay import PlantModel, Prediction, Timeline, build_timeline, predict
 
-Array = NDArray[np.float64]
 DRAWS = 2000
 LEAST_BLOCKS = 5  # the interval from fewer holds R less than eight times of ten
 
@@ -64,21 +64,21 @@ class HeldOutGain:
     @property
     def original(self) -> float | None:
         """Rms error of the given model, or None if it was not computed."""
-        return None if self.original_error is None else _rms(self.original_error, self.weight)
+        return None if self.original_error is None else root_mean_square(self.original_error, self.weight)
 
     @property
     def base(self) -> float:
         """Rms error of the base model."""
-        return _rms(self.base_error, self.weight)
+        return root_mean_square(self.base_error, self.weight)
 
     @property
     def extended(self) -> float:
         """Rms error of the extended model."""
-        return _rms(self.extended_error, self.weight)
+        return root_mean_square(self.extended_error, self.weight)
 
     def settled_rms(self, error: Array) -> float:
         """Rms of errors (k,) of a model at the settled points, all with one weight: the measure of ``verify``."""
-        return _rms(error if self.settled is None else error[self.settled], None)
+        return root_mean_square(error if self.settled is None else error[self.settled], None)
 
     @property
     def blocks(self) -> int:
@@ -211,10 +211,6 @@ def _predictive_variance(
     shared = C[np.ix_(is_known, is_held_out)] + zero
     explained = np.sum(solve_triangular(factor, shared, lower=True, check_finite=False) ** 2, axis=0)
     return np.maximum(np.diag(C)[is_held_out] + zero - explained, np.diag(noise)[is_held_out])
-
-
-def _rms(error: Array, weight: Array | None) -> float:
-    return float(np.sqrt(np.average(error**2, weights=weight)))
 
 
 def _share(base: float, extended: float, floor: float) -> float | None:

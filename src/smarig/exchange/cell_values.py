@@ -6,9 +6,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, number_from_text, shown
+from smarig.core import Array, DataError, number_from_text, shown
 from smarig.exchange.no_reading import is_mark, without_marks
 
 MISSING = {
@@ -108,7 +107,7 @@ def number_column(
     *,
     thousands: str = "",
     lenient: bool = False,
-) -> NDArray[np.float64]:
+) -> Array:
     """The numbers of a column's cells, NaN for those that say that there is none; ``lenient``: for any other text."""
     out = np.empty(len(cells))
     for k, cell in enumerate(cells):

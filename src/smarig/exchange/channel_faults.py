@@ -6,10 +6,9 @@ Each finding is one sentence. The thresholds are chosen so that an undisturbed s
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.record import ImportFinding, remarks
 
-Array = NDArray[np.float64]
 _COARSE = 0.002  # of the range: smaller steps are invisible in a hysteresis loop
 _SPIKE = 0.3  # of the 1–99 % range
 _HELD_ROWS = 5

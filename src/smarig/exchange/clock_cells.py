@@ -6,12 +6,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, shown
+from smarig.core import Array, DataError, shown
 from smarig.exchange.cell_values import is_missing
 
-Array = NDArray[np.float64]
 _CLOCK = re.compile(r"(?:(\d{1,9})[ T])?(\d{1,3}):(\d{2})(?::(\d{2})(?:[.,:](\d+))?)?")
 _DATE = re.compile(
     r"(\d{1,4})[./-](\d{1,2})[./-](\d{1,4})[ T,;]+(\d{1,2}):(\d{2})(?::(\d{2})(?:[.,:](\d+))?)?"

@@ -12,10 +12,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, spaced
+from smarig.core import Array, DataError, root_mean_square, spaced
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 DriftKind = Literal["none", "multiplicative", "additive"]
 
 
@@ -77,7 +76,7 @@ def correct_drift_if_it_helps(curves: ForcCurves) -> tuple[ForcCurves, DriftDeci
     kinds: tuple[DriftKind, ...] = ("none", "multiplicative", "additive")
     tried = {kind: corrected(curves, kind) for kind in kinds}
     misses = {kind: held_out_misses(c) for kind, c in tried.items()}
-    error = {kind: float(np.sqrt(np.mean(m**2))) for kind, m in misses.items()}
+    error = {kind: root_mean_square(m) for kind, m in misses.items()}
     best = min(kinds, key=lambda kind: error[kind])  # the first of equals: no correction without a gain
     return tried[best], DriftDecision(best, error, misses["none"].size)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import Quality
+from smarig.core import Array, Quality
 from smarig.record import SAMPLE_COLUMNS, AnyRun, Event, Step
 
 FLAGS = {int(q): str(q.name).lower() for q in Quality if q}  # bit: word
@@ -67,7 +67,7 @@ class ExportColumn:
         return self.read()
 
 
-def integers(values: NDArray[np.float64], missing: int) -> NDArray[np.int64]:
+def integers(values: Array, missing: int) -> NDArray[np.int64]:
     """The values of an integer column, ``missing`` if unknown."""
     return np.where(np.isnan(values), missing, np.nan_to_num(values)).astype(np.int64)
 

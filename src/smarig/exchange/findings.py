@@ -5,11 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import Quality, shown
+from smarig.core import Array, Quality, shown
 from smarig.exchange.channel_faults import channel_findings, clipped
 from smarig.record import ImportFinding, remarks
-
-Array = NDArray[np.float64]
 
 
 def record_findings(

@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, number_from_text, shown, spaced
+from smarig.core import Array, DataError, number_from_text, shown, spaced
 from smarig.exchange.text_table import check_lines, read_text
 from smarig.exchange.unit_systems import UNIT_SYSTEMS
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_size
 from smarig.exchange.written_units import known_unit
 
-Array = NDArray[np.float64]
 _NUMBER = (
     r"[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"  # nothing is tried in two ways: no line takes long
 )

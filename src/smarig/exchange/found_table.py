@@ -6,9 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from smarig.core import Array
 from smarig.exchange.text_table import Table
 from smarig.exchange.value_bounds import check_size
 
@@ -25,7 +23,7 @@ class FoundColumn:
 
     name: str
     unit: str
-    values: NDArray[np.float64]
+    values: Array
     kind: str = NUMBER
     comment: str = ""
 

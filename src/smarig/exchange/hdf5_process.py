@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, printable
+from smarig.core import Array, DataError, UsageError, printable
 from smarig.exchange.found_table import FoundColumn
 
 LONGEST_S = 300
@@ -102,7 +101,7 @@ def _answers(output: IO[bytes]) -> Iterator[dict[str, Any]]:
             yield json.loads(line)
 
 
-def _values(output: IO[bytes], size: int) -> NDArray[np.float64]:
+def _values(output: IO[bytes], size: int) -> Array:
     """The values that follow a column, NaN where the child has ended before."""
     values = np.full(size, np.nan)
     given = output.read(8 * size)

@@ -8,11 +8,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.exchange.reader_result import directions, step_row
 
-Array = NDArray[np.float64]
 WINDOW_S = 25.0
 BLOCKS = 25  # of a window, as on a rig, but of few rows each would be noise
 PER_BLOCK = 5  # rows at least

@@ -9,13 +9,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.exchange.channel_faults import quantum
 from smarig.measurement import dropouts, first_branch_differs, noise_range, width_of_leading_loops
 from smarig.preisach import turning_points
 from smarig.record import ImportFinding, remarks
 
-Array = NDArray[np.float64]
 _REVERSAL = 0.2  # of the input's range: smallest branch
 _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, shown, spaced
+from smarig.core import Array, DataError, shown, spaced
 from smarig.exchange.channel_faults import quantum, unused_findings
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
@@ -21,8 +21,6 @@ from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_bounds, check_size, check_strain, plausible, possible
 from smarig.record import OWN_ZERO, ImportFinding, remarks
-
-Array = NDArray[np.float64]
 
 
 def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:

@@ -16,9 +16,8 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import ConfigError, DataError, UsageError, check_file, file_bytes, shown
+from smarig.core import Array, ConfigError, DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import MatLayout
 from smarig.exchange.text_table import MAX_COLUMNS, Table
@@ -34,9 +33,6 @@ _OTHER = {1: "cell", 2: "struct", 3: "object", 4: "char", 5: "sparse", 16: "func
 _DEEPEST = 8  # structs within each other
 _COMPLEX, _LOGICAL = 0x800, 0x200
 _DAMAGE = (struct.error, zlib.error, ValueError, KeyError)  # raised by damaged bytes
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -56,7 +52,7 @@ class MatFile:
     path: Path
     variables: dict[str, Variable]
 
-    def matrix(self, name: str) -> NDArray[np.float64]:
+    def matrix(self, name: str) -> Array:
         """A variable (m, n) of real numbers, with NaN; DataError for anything else."""
         variable = self.variables[name]
         where = f"{self.path}: variable {shown(name)}"
@@ -212,7 +208,7 @@ def _fields(name: str, variable: Variable, depth: int = 0) -> dict[str, Variable
     return found
 
 
-def _values(variable: Variable) -> NDArray[np.float64]:
+def _values(variable: Variable) -> Array:
     """The numbers, column by column in the file; MATLAB stores integers in the smallest type that fits."""
     kind, payload, _ = _element(variable.elements, variable.order)
     numbers = np.frombuffer(payload, dtype=variable.order + _NUMBERS[kind])

@@ -5,9 +5,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import number_from_text, shown
+from smarig.core import Array, number_from_text, shown
 
 # Graphtec: BURNOUT and +++++++, Keyence: -FFFFFFF, multimeters: OL and OVER
 _MARK = re.compile(r"[+-]?\s?(burn ?out|over|o\.?l|f{4,})|\+{2,}|-{4,}|\*{2,}", re.IGNORECASE)
@@ -23,7 +22,7 @@ def is_mark(cell: str) -> bool:
     return _MARK.fullmatch(cell) is not None
 
 
-def without_marks(x: NDArray[np.float64]) -> NDArray[np.float64]:
+def without_marks(x: Array) -> Array:
     """The values (n,) with NaN for the numbers that instruments write where there is no reading.
 
     >>> without_marks(np.array([1.0, 7.77777e99, -9.9e37])).tolist()

@@ -3,14 +3,13 @@
 import io
 
 import numpy as np
-from numpy.typing import NDArray
+
+from smarig.core import Array
 
 _NUMERIC = b"0123456789+-.eEnaNA \t\r\n"  # of numbers, "nan" and blanks: no infinity, no 1_000
 
 
-def numbers_of(
-    block: bytes, columns: int, delimiter: str | None, decimal: str = "."
-) -> NDArray[np.float64] | None:
+def numbers_of(block: bytes, columns: int, delimiter: str | None, decimal: str = ".") -> Array | None:
     """The numbers (n, columns) of a block of whole lines, NaN for empty cells; None unless each line has that many.
 
     ``delimiter``: None for blanks.

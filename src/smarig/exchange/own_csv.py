@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, shown
+from smarig.core import Array, DataError, UsageError, shown
 from smarig.exchange.channel_faults import quantum
 from smarig.exchange.findings import duplicate_columns, record_findings, saturation_marks
 from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds, tolerance
@@ -24,7 +24,6 @@ from smarig.exchange.value_bounds import check_bounds, check_size
 from smarig.exchange.with_heating_model import input_description
 from smarig.record import ImportFinding, remarks
 
-Array = NDArray[np.float64]
 CURRENTS = ("current_command_A", "current_A")
 POSITIONS = {"position_counts": "count", "position_mm": "mm", "position_deg": "deg"}
 QUANTITIES = {"mm": "displacement", "deg": "shaft angle"}

@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.exchange.found_table import FoundColumn, FoundTable
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.needed_package import needed_package
@@ -64,7 +63,7 @@ def _of_field(table: Any, field: Any) -> list[FoundColumn]:
         return [FoundColumn(field.name, "s", (numbers - numbers[0]) * scale if numbers.size else numbers)]
     if not (types.is_integer(field.type) or types.is_floating(field.type) or types.is_boolean(field.type)):
         return []
-    numbers: NDArray[np.float64] = np.array(values.to_numpy(), dtype=np.float64)
+    numbers: Array = np.array(values.to_numpy(), dtype=np.float64)
     numbers[np.isinf(numbers)] = np.nan
     return [FoundColumn(field.name, unit, numbers)]
 

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError
 from smarig.exchange.cell_values import is_missing, is_number
 from smarig.exchange.text_table import DELIMITERS, HEADER_WITHIN, read_text, split
 
-Array = NDArray[np.float64]
 _FEWEST_LEVELS = 3
 _MOST_LEVELS = 1000  # those of a table in a model file
 _LARGEST_BYTES = 32 * _MOST_LEVELS**2

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.record import ImportFinding
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.exchange.channel_faults import lone_spikes
 from smarig.exchange.reader_result import RunDraft
 from smarig.measurement import dropouts
 from smarig.record import FindingKind, remarks
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 MASKED, DROPPED = "masked", "dropped"
 

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.config import RigFile, load_rig
+from smarig.core import Array
 from smarig.plant import Actuator, JouleHeating
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

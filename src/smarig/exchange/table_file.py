@@ -13,7 +13,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.exchange import text_table
 from smarig.exchange.igor_text import is_igor_text
 from smarig.exchange.no_reading import is_mark, without_marks
@@ -115,7 +115,7 @@ def _complete(block: bytes, head: _Head, line: int) -> tuple[bytes, list[str]]:
 
 def _parsed(
     path: Path, block: bytes, head: _Head, layout: TableLayout
-) -> tuple[Sequence[NDArray[np.float64]] | NDArray[np.float64], NDArray[np.int64]]:
+) -> tuple[Sequence[Array] | Array, NDArray[np.int64]]:
     """The columns of a block, and the numbers of their lines in it, from 0."""
     numbers = numbers_of(block, len(head.names), head.delimiter, layout.decimal) if block else None
     if numbers is not None:
@@ -135,7 +135,7 @@ def _parsed(
     return columns, np.array(where, dtype=np.int64) - 1
 
 
-def _has_marks(column: NDArray[np.float64]) -> bool:
+def _has_marks(column: Array) -> bool:
     """Whether a column holds numbers that stand for no reading."""
     return np.isnan(without_marks(column)).sum() > np.isnan(column).sum()
 

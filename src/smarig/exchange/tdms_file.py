@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, shown
+from smarig.core import Array, DataError, UsageError, shown
 from smarig.exchange.found_table import FoundColumn, FoundTable
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import TdmsLayout
@@ -99,7 +98,7 @@ def _columns(path: Path, group: Any) -> tuple[FoundColumn, ...]:
     return tuple(columns)
 
 
-def _read(path: Path, channel: Any) -> tuple[str, NDArray[np.float64]]:
+def _read(path: Path, channel: Any) -> tuple[str, Array]:
     """The unit of a channel, and its values; those of times are seconds from the first."""
     values = channel[:]
     if values.dtype.kind == "M":

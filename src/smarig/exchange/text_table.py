@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, check_file, file_bytes, shown
+from smarig.core import Array, DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.cell_values import is_number, number_column
 from smarig.exchange.channel_rows import channel_rows
 from smarig.exchange.clock_cells import clock_column
@@ -56,9 +56,7 @@ class TableLayout:
             return start
         return start + 1 + self.units_rows
 
-    def column(
-        self, path: Path, name: str, cells: Sequence[str], where: Sequence[int]
-    ) -> NDArray[np.float64]:
+    def column(self, path: Path, name: str, cells: Sequence[str], where: Sequence[int]) -> Array:
         """The values of a column's cells; DataError with line and column for a cell that is no number."""
         if name == self.clock:
             return clock_column(path, name, cells, where)
@@ -74,7 +72,7 @@ class Table:
     ``loop`` (n,) is the number of the loop of each row, if the file numbers its loops.
     """
 
-    columns: dict[str, NDArray[np.float64]]
+    columns: dict[str, Array]
     line: NDArray[np.int64]
     header: dict[str, str]
     notes: tuple[str, ...]
@@ -183,7 +181,7 @@ def incomplete_note(line: int) -> str:
 
 
 def missing_notes(
-    columns: Mapping[str, NDArray[np.float64]], cells: Mapping[str, Sequence[str]] | None = None
+    columns: Mapping[str, Array], cells: Mapping[str, Sequence[str]] | None = None
 ) -> list[str]:
     """Findings on cells without a number; ``cells`` as they are written, where marks may stand for no reading."""
     marks = count_marks(cells or {})

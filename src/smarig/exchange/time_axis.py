@@ -6,10 +6,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, shown
+from smarig.core import Array, DataError, shown
 from smarig.record import ImportFinding
 
-Array = NDArray[np.float64]
 Repeats = Literal["refuse", "mean", "keep_order"]
 
 

@@ -5,11 +5,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, shown, spaced
+from smarig.core import Array, DataError, shown, spaced
 from smarig.exchange.unit_conversion import convert
 from smarig.record import LARGEST, ImportFinding
 
-Array = NDArray[np.float64]
 LONGEST_S = 1e14  # three million years: milliseconds since 1970 are allowed
 _LARGEST_MARK = 1e39  # instruments write numbers up to the largest of 32 bits for overload or no reading
 _BOUNDS = {  # channel: (lowest, highest, unit), with a wide margin

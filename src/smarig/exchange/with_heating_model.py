@@ -7,15 +7,12 @@ It applies to data that have a mapping and a rig with constants. Recordings in t
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.core import UsageError
 from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
 from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.rig_constants import RigConstants
 from smarig.record import remarks
-
-Array = NDArray[np.float64]
 
 
 def with_heating_model(draft: RunDraft, rig: RigConstants) -> RunDraft:

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, shown
+from smarig.core import Array, DataError, UsageError, shown
 from smarig.exchange.cell_values import number_column
 from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.found_table import CLOCK, NUMBER, FoundTable, found_columns
@@ -69,7 +68,7 @@ def _table(
     where = [k for k, _ in data]
     if len(data) < 2:
         raise DataError(f"{path} holds {len(data)} sample(s). At least two are needed.")
-    columns: dict[str, NDArray[np.float64]] = {}
+    columns: dict[str, Array] = {}
     written = {name: [row[k] if k < len(row) else "" for _, row in data] for k, name in enumerate(names)}
     for name, cells in written.items():
         read = clock_column if name == clock else None

@@ -10,12 +10,10 @@ from functools import lru_cache, singledispatch
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, lattice
 from smarig.theory import classes
 
-Array = NDArray[np.float64]
 Place = tuple[float, float]
 _NAN = float("nan")
 _CELLS = 40

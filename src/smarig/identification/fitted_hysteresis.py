@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, correlation, spaced
+from smarig.core import Array, DataError, correlation, spaced
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_curves import curves_from_run
@@ -146,7 +145,7 @@ def _correlation(runs: Sequence[Run]) -> float:
     return max((abs(correlation(u, y)) for u, y in moved), default=0.0)
 
 
-def check_usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str) -> None:
+def check_usable(y: Array, alpha: Array, unit: str) -> None:
     """Raise DataError if the output does not move or a value is implausible."""
     if not (
         np.isfinite(y).all() and np.abs(y).max() < _LARGEST_VALUE and np.abs(alpha).max() < _LARGEST_VALUE

@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError
 from smarig.identification.point_selection import matches
 from smarig.preisach import State
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay import MemoryHistory, memory_histories
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 _FodRow = tuple[float, float, float, int, int, int]
 

@@ -10,12 +10,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit  # not scipy.stats, which takes a second to import
 
-from smarig.core import spaced
-
-Array = NDArray[np.float64]
+from smarig.core import Array, spaced
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import chi2_tail
+from smarig.core import Array, chi2_tail, root_mean_square
 from smarig.identification.changed_states import unchanged
 from smarig.identification.repeatability import (
     P_EXCESS,
@@ -59,7 +59,7 @@ class NoiseFloor:
         """Warnings about the repeats, one or two sentences each."""
         return (self.repeatability.warning,) if self.repeatability.text else ()
 
-    def explains(self, outputs: NDArray[np.float64]) -> bool:
+    def explains(self, outputs: Array) -> bool:
         """Whether outputs (n,) differ by no more than this noise makes them differ; False if the noise is unknown.
 
         A χ² test with the noise as it was estimated: an F test of few repeats would call any range noise.
@@ -129,10 +129,10 @@ def _of_windows(runs: list[Run]) -> tuple[float, int] | None:
     if not points:
         return None
     every = np.concatenate([p.uncertainty for p in points])
-    return float(np.sqrt(np.mean(every**2))), every.size
+    return root_mean_square(every), every.size
 
 
-def _cycles(run: Run, history: MemoryHistory) -> NDArray[np.float64]:
+def _cycles(run: Run, history: MemoryHistory) -> Array:
     """Cycles before each point (k,): the way of the output in strokes, over two.
 
     Without settled steps, the noise of single readings would add up: the way then grows at reversals only.
@@ -144,7 +144,7 @@ def _cycles(run: Run, history: MemoryHistory) -> NDArray[np.float64]:
     return way[branch] / (2 * float(np.ptp(y)) or 1.0)
 
 
-def _log_rates(run: Run, history: MemoryHistory) -> NDArray[np.float64]:
+def _log_rates(run: Run, history: MemoryHistory) -> Array:
     """ln of the mean rate of the input on the branch of each point (k,); 0 for settled points and without a clock."""
     u = history.inputs
     t = (
@@ -163,8 +163,8 @@ def _log_rates(run: Run, history: MemoryHistory) -> NDArray[np.float64]:
 
 def _repeats(
     history: MemoryHistory,
-    cycles: NDArray[np.float64],
-    log_rates: NDArray[np.float64],
+    cycles: Array,
+    log_rates: Array,
     lower: float,
     upper: float,
 ) -> Iterable[tuple[bool, Repeats]]:
@@ -185,7 +185,7 @@ def _repeats(
                 )
 
 
-def _at_one_rate(rows: NDArray[np.intp], log_rates: NDArray[np.float64]) -> list[NDArray[np.intp]]:
+def _at_one_rate(rows: NDArray[np.intp], log_rates: Array) -> list[NDArray[np.intp]]:
     """The rows in groups of about the same rate, each in the order of the record."""
     by_rate = rows[np.argsort(log_rates[rows], kind="stable")]
     apart = np.flatnonzero(np.diff(log_rates[by_rate]) > np.log(ONE_RATE)) + 1

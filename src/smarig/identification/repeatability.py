@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import chi2_tail, f_tail
+from smarig.core import Array, chi2_tail, f_tail
 from smarig.identification.verdict_thresholds import OVER_READINGS
 
-Array = NDArray[np.float64]
 FEWEST_CYCLES = 0.2  # between repeats of one state: a trend over less is not one over cycles
 P_TREND = 1e-3  # of a trend by chance
 P_HALF = 0.01  # of a trend in half of the cycles by chance

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.certify import HysteresisAnalysis, MeasuredPassivity, Units, reading_noise, segment_passivity
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.measurement import SATURATION_TOLERANCE, Start
 from smarig.preisach import Preisach, State
 from smarig.record import FORC_PROTOCOL, Run
@@ -49,7 +49,7 @@ def passivity_of_run(run: Run, model: Model, start: Start | None = None) -> Meas
 
 
 def _starts(
-    operator: Preisach, u: NDArray[np.float64], present: NDArray[np.bool_], start: Start | None
+    operator: Preisach, u: Array, present: NDArray[np.bool_], start: Start | None
 ) -> Iterator[tuple[int, State | str]]:
     """Rows at which a segment starts (after a gap, or when the memory becomes known) with its state, or why there
     is none.

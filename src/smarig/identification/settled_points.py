@@ -7,11 +7,10 @@ the wire within the window, and quantisation that noise does not dither.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.record import Run, Step
 
-Array = NDArray[np.float64]
 _BLOCKS = 25
 
 
@@ -34,7 +33,7 @@ class SettledPoints:
     @property
     def noise(self) -> float:
         """Root mean square of the uncertainties."""
-        return float(np.sqrt(np.mean(self.uncertainty**2))) if self.uncertainty.size else float("nan")
+        return root_mean_square(self.uncertainty) if self.uncertainty.size else float("nan")
 
 
 def settled_points(run: Run) -> SettledPoints:

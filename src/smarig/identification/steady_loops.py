@@ -12,10 +12,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.preisach import turning_points
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Point = tuple[float, float]
 CLOSURE_TOLERANCE = 0.05  # of a loop's input range: largest distance of the end of a swing from its start
@@ -65,7 +65,7 @@ class SteadyLoop:
             return float("nan")
         u = np.linspace(low, high, _GRID)
         apart = np.interp(u, *falling.T) - np.interp(u, *image.T)
-        return float(np.sqrt(np.mean(apart**2)))
+        return root_mean_square(apart)
 
     def __repr__(self) -> str:
         tips = f"({self.lower[0]:.5g}, {self.lower[1]:.5g}) … ({self.upper[0]:.5g}, {self.upper[1]:.5g})"

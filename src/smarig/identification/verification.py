@@ -6,12 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import NotebookDisplay, spaced
+from smarig.core import Array, NotebookDisplay, spaced
 from smarig.identification.error_verdict import ErrorParts, ErrorVerdict, error_verdict
 from smarig.identification.repeatability import STEADY, Repeatability
-
-Array = NDArray[np.float64]
-
 
 ONLY_NOISE = "the measured range is no more than its noise"
 

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError, root_mean_square
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.known_offset import known_offset
@@ -43,7 +43,6 @@ from smarig.replay import (
     with_wire_temperature,
 )
 
-Array = NDArray[np.float64]
 Offset = Literal["auto", "known", "fitted"]
 _NO_POINT_IN_LOOP = (
     "No point lies inside the loop, where the branches of the model are apart: the run tests the ends of the loop "
@@ -227,7 +226,7 @@ def _far_loads(model: Model, run: Run) -> list[str]:
 
 
 def _errors(error: Array, measured: Array, floor: NoiseFloor) -> PredictionErrors:
-    rms, span = float(np.sqrt(np.mean(error**2))), float(np.ptp(measured))
+    rms, span = root_mean_square(error), float(np.ptp(measured))
     share = rms / span if span and not floor.explains(measured) else float("nan")
     return PredictionErrors(error.size, rms, share, float(np.abs(error).max()))
 

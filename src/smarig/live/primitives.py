@@ -10,10 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import Severity
+from smarig.core import Array, Severity
 from smarig.live.colours import Colour
 
-Array = NDArray[np.float64]
 Times = Array | None
 
 

@@ -6,11 +6,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, stored_number
+from smarig.core import Array, DataError, stored_number
 
-Array = NDArray[np.float64]
 SAME_SHARE = 0.02  # of the range of a condition: closer runs are of one value
 LEAST_GAIN = 0.01  # of the largest: a smaller gain beyond the measured values would invert the loop
 

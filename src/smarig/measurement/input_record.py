@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import turning_points
 from smarig.record import Run, continues_run
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 CONTINUES_AT = "continues_at"  # of a part of an imported run: when that began, and its cycles so far
 ONE_RATE = 1.5  # ratio of two rates: less is one rate

@@ -12,13 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, stored_number
+from smarig.core import Array, DataError, stored_number
 from smarig.measurement.input_record import InputRecord
 from smarig.measurement.learned_variables import LEVEL, branch_directions, variable_of
 
-Array = NDArray[np.float64]
 NAME = "learned"
 FORMS = {  # form: (where it enters, second variable)
     "output": ("output", ""),

@@ -8,12 +8,10 @@ from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.measurement.input_record import InputRecord, reversals
 
-Array = NDArray[np.float64]
 LEVEL = "level"  # the output of the hysteresis: no property of the record
 NEED_CLOCK = ("rate", "time", "time_since_reversal")
 VARIABLES = ("rate", "time", "cycle", "history", "time_since_reversal", LEVEL, "input")

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 WIDE = 0.5  # of the input's range: the smallest branches that are compared
 LEADS = -0.3  # of −1…1: agreement of the loops' width with their slope, below which the output leads
 LEAST_STEPS = 3  # of a branch: one of fewer steps has no shape, and the chord of a curve leads it

@@ -11,12 +11,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, catalogue_entry, catalogue_names, stored_number
+from smarig.core import Array, DataError, catalogue_entry, catalogue_names, stored_number
 from smarig.measurement.input_record import InputRecord
 
-Array = NDArray[np.float64]
 Values = Mapping[str, float]
 EFFECTS = "smarig.measurement.effects"
 FORMER_NAMES = {"ratchet_strain": "ratcheting"}  # in model files of earlier versions

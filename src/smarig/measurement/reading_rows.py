@@ -3,8 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 
-def spread_rows(y: NDArray[np.float64], a: int, b: int, count: int) -> NDArray[np.int64]:
+
+def spread_rows(y: Array, a: int, b: int, count: int) -> NDArray[np.int64]:
     """Up to ``count`` rows of (a, b], including the last."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(y[a : b + 1])))])
     even = np.linspace(0, 1, b - a + 1)

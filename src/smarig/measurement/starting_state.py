@@ -9,13 +9,12 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.measurement.input_record import input_noise_sd, noise_range, reversals
 from smarig.measurement.loop_direction import branch_outputs
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 Start = Literal["negative", "positive", "anhysteretic"]
 STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
 SATURATION_TOLERANCE = 1e-3  # of the range: an input this close to saturation counts as saturated
@@ -115,7 +114,7 @@ def first_branch_differs(u: Array, y: Array, turns: Sequence[int]) -> bool:
     usual = np.median(branches, axis=0)
     spread = float(np.max(np.sqrt(np.mean((branches - usual) ** 2, axis=1))))
     first = slice(turns[0], turns[1] + 1)
-    apart = float(np.sqrt(np.mean((branch_outputs(u[first], y[first], at) - usual) ** 2)))
+    apart = root_mean_square(branch_outputs(u[first], y[first], at) - usual)
     return apart > max(OTHER_STATE * float(np.ptp(y)), TIMES_SPREAD * spread)
 
 

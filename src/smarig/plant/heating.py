@@ -8,8 +8,9 @@ T is above ambient. R, h and c_p are the thesis's constants; effects change them
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from smarig.core import Array
 from smarig.plant.actuator import Actuator
 
 
@@ -71,7 +72,7 @@ class JouleHeating:
         return self.wire_K[0] - self.wire_K[1]
 
 
-def temperature_along(actuator: Actuator, current_A: ArrayLike, dt_s: float) -> NDArray[np.float64]:
+def temperature_along(actuator: Actuator, current_A: ArrayLike, dt_s: float) -> Array:
     """Hysteresis input u (n,) after each tick of a current record (n,), from a cold wire."""
     heating = JouleHeating(actuator, dt_s)
     return np.array([heating.step(i) for i in np.asarray(current_A, dtype=float).tolist()])

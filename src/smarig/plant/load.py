@@ -9,13 +9,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from smarig.config import RigFile
-from smarig.core import ConfigError, DataError, Formula, UsageError, passed, profile_numbers, profile_rows
+from smarig.core import (
+    Array,
+    ConfigError,
+    DataError,
+    Formula,
+    UsageError,
+    passed,
+    profile_numbers,
+    profile_rows,
+)
 from smarig.plant.actuator import Actuator
 
-Array = NDArray[np.float64]
 COLUMNS = ["time_s", "force_N"]
 MOST_ROWS = 4000  # of a load history: a record holds it
 LARGEST_STRESS_MPA = 1000.0  # NiTi yields below

@@ -11,12 +11,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.plant.actuator import Actuator
 from smarig.plant.thermomechanical.free_convection import free_convection_W_per_m2_K
 
-Array = NDArray[np.float64]
 ITERATIONS, TOLERANCE_K = 60, 1e-9
 
 

@@ -13,9 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett, Preisach
-
-Array = NDArray[np.float64]
 
 
 class WirePhases:

@@ -4,11 +4,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import NOT_NUMBERS, DataError, UsageError
+from smarig.core import NOT_NUMBERS, Array, DataError, UsageError
 
-Array = NDArray[np.float64]
 NAN_INPUT = "The input of the Preisach operator is NaN."
 
 

@@ -10,14 +10,12 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import MissingExtra, UsageError
+from smarig.core import Array, MissingExtra, UsageError
 from smarig.preisach.compiled_cache import cached_on_disk
 from smarig.preisach.compiled_loop import bucketed, make_compiled_loop, rank
 from smarig.preisach.kernel import CHUNK, CompiledKeys, ExtremaStack, KernelInput, KeyedEverett, KeyedFunction
 
-Array = NDArray[np.float64]
 WORTH = 500_000  # number of samples for which plain Python takes about as long as compiling
 _compiled: set[KeyedFunction] = set()
 

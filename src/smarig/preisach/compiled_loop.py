@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Levels = tuple[Array, NDArray[np.int32], float, float, float, int]
 _ONE, _TWO = np.uint64(1), np.uint64(2)
 

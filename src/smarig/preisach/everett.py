@@ -13,7 +13,9 @@ from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from smarig.core import Array
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _BLOCK = 2048  # inputs integrated at once; limits the memory used
@@ -41,7 +43,7 @@ class Everett(Protocol):
         """F(α, β) for scalars with β ≤ α."""
         ...
 
-    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """F(α, β) for arrays, broadcast."""
         ...
 
@@ -62,17 +64,17 @@ class Differentiable(Protocol):
     @property
     def upper(self) -> float: ...
     @property
-    def kinks(self) -> NDArray[np.float64]: ...
-    def strip_alpha(self, alpha: NDArray[np.float64], beta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def kinks(self) -> Array: ...
+    def strip_alpha(self, alpha: Array, beta: Array) -> Array:
         """∂F/∂α (α, β): the strip that a rising input sweeps per unit."""
         ...
 
-    def strip_beta(self, alpha: NDArray[np.float64], beta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strip_beta(self, alpha: Array, beta: Array) -> Array:
         """∂y/∂β (α, β): the strip that a falling input sweeps per unit."""
         ...
 
 
-def from_diagonal(hysteresis: Everett, centre: float, u: ArrayLike) -> NDArray[np.float64]:
+def from_diagonal(hysteresis: Everett, centre: float, u: ArrayLike) -> Array:
     """Signed output change from B_ℓ, ℓ = centre, for one monotone move to each input u (n,).
 
     It uses the array method ``from_diagonal`` of the hysteresis if there is one, otherwise one input at a time.
@@ -88,7 +90,7 @@ def from_diagonal(hysteresis: Everett, centre: float, u: ArrayLike) -> NDArray[n
 class DiagonalIntegrals:
     """Mixin for a ``Differentiable``: output changes from B_ℓ by quadrature between kinks, exact to rounding."""
 
-    def from_diagonal(self: Differentiable, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def from_diagonal(self: Differentiable, centre: float, u: Array) -> Array:
         """Signed output change to each input (n,), each independent of the others."""
         change = np.empty(u.shape)
         up = u >= centre
@@ -107,20 +109,20 @@ class DiagonalIntegrals:
         return float(_cumulative(_falling(self, centre), np.array([-u], dtype=float))[0])
 
 
-Strip = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Strip = Callable[[Array], Array]
 
 
 class _StripIntegral(NamedTuple):
     """A strip, its panel edges (n + 1,), and its integral up to each edge (n + 1,)."""
 
     strip: Strip
-    edges: NDArray[np.float64]
-    up_to_edge: NDArray[np.float64]
+    edges: Array
+    up_to_edge: Array
 
 
 @lru_cache(maxsize=8)  # a twin uses the same diagonal state in every tick of its initialisation
 def _rising(surface: Differentiable, centre: float) -> _StripIntegral:
-    def strip(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strip(alpha: Array) -> Array:
         return surface.strip_alpha(alpha, np.maximum(2 * centre - alpha, surface.lower))
 
     return _strip_integral(strip, _panels(surface, centre, centre, surface.upper, 2 * centre - surface.lower))
@@ -130,19 +132,19 @@ def _rising(surface: Differentiable, centre: float) -> _StripIntegral:
 def _falling(surface: Differentiable, centre: float) -> _StripIntegral:
     """The strip in the variable −β, so that a fall is integrated upwards like a rise."""
 
-    def strip(minus_beta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strip(minus_beta: Array) -> Array:
         return surface.strip_beta(np.minimum(2 * centre + minus_beta, surface.upper), -minus_beta)
 
     panels = _panels(surface, centre, surface.lower, centre, 2 * centre - surface.upper)
     return _strip_integral(strip, -panels[::-1])
 
 
-def _strip_integral(strip: Strip, edges: NDArray[np.float64]) -> _StripIntegral:
+def _strip_integral(strip: Strip, edges: Array) -> _StripIntegral:
     whole = _gauss(strip, edges[:-1], edges[1:])
     return _StripIntegral(strip, edges, np.concatenate([[0.0], np.cumsum(whole)]))
 
 
-def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: float) -> NDArray[np.float64]:
+def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: float) -> Array:
     """Panel edges over [a, b]: kinks, mirrored kinks, the clip point, and a width limit for smooth panels.
 
     They do not depend on the input, so an output does not depend on the other inputs of a call.
@@ -153,7 +155,7 @@ def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: fl
     return np.unique(edges[(edges >= a) & (edges <= b)])
 
 
-def _cumulative(strip_integral: _StripIntegral, u: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cumulative(strip_integral: _StripIntegral, u: Array) -> Array:
     """∫ from edges[0] to each u (n,): sums of whole panels, and Gauss–Legendre quadrature on the last panel.
 
     At these widths it is exact to rounding for the surfaces of §5.4.
@@ -164,6 +166,6 @@ def _cumulative(strip_integral: _StripIntegral, u: NDArray[np.float64]) -> NDArr
     return np.concatenate([up_to_edge[panel[k]] + _gauss(strip, edges[panel[k]], u[k]) for k in blocks])
 
 
-def _gauss(strip: Strip, a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _gauss(strip: Strip, a: Array, b: Array) -> Array:
     half = (b - a)[:, None] / 2
     return np.sum(strip((a + b)[:, None] / 2 + half * _NODES) * _WEIGHTS * half, axis=1)

@@ -6,11 +6,9 @@ Results hold to rounding in double precision.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,13 +17,12 @@ from math import isfinite, nextafter
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import NOT_NUMBERS, DataError, UsageError
+from smarig.core import NOT_NUMBERS, Array, DataError, UsageError
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.kernel import ExtremaStack, KeyedEverett, keyed
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-12  # of the output range
 GRID_POINTS = 256
 MAX_NODES = 600  # with more nodes, monotonicity is checked along each move instead of once for all moves

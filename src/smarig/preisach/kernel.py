@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach.everett import Everett
 from smarig.preisach.state import State
 
-Array = NDArray[np.float64]
 KeyedFunction = Callable[[Any, Any, Any], float]
 LoopFunction = Callable[..., int]
 CHUNK = 1 << 14

@@ -15,9 +15,9 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import NOT_NUMBERS, DataError, UsageError
+from smarig.core import NOT_NUMBERS, Array, DataError, UsageError
 from smarig.preisach import compiled as fast
 from smarig.preisach.checked_input import NAN_INPUT, input_array, input_number, not_a_number, vector
 from smarig.preisach.everett import Everett, from_diagonal
@@ -28,7 +28,6 @@ from smarig.preisach.inverse import InverseSolver
 from smarig.preisach.kernel import ExtremaStack, KernelInput, follow, keyed, python_loop
 from smarig.preisach.state import State as State
 
-Array = NDArray[np.float64]
 Initial = Literal["negative", "positive", "anhysteretic"] | State
 
 

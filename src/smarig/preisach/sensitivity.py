@@ -10,13 +10,10 @@ from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach.everett import Differentiable, Everett
 from smarig.preisach.state import State
-
-Array = NDArray[np.float64]
 
 
 def sensitivity(hysteresis: Everett | Differentiable, state: State) -> Array:

@@ -1,14 +1,14 @@
 """Turning points of an input in spite of noise."""
 
-import numpy as np
-from numpy.typing import NDArray
+from smarig.core import Array
 
 
-def turning_points(u: NDArray[np.float64], threshold: float) -> list[int]:
+def turning_points(u: Array, threshold: float) -> list[int]:
     """Indices of the first reading of u (n,), of every reversal by more than ``threshold``, and of the last reading.
 
     The start of the first branch is also a turning point if a small move in the other direction precedes it.
 
+    >>> import numpy as np
     >>> turning_points(np.array([0.0, 3.0, 2.9, 4.0, 1.0, 2.0]), 1.5)
     [0, 3, 5]
     >>> turning_points(np.array([0.0, -0.1, 3.0]), 1.5)

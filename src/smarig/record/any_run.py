@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import Severity, highest_severity
+from smarig.core import Array, Severity, highest_severity
 from smarig.record.recording_lock import is_recording
 from smarig.record.run_info import RunInfo
 from smarig.record.stopped_by import StoppedBy
@@ -33,7 +32,7 @@ class AnyRun(ABC):
     events: "tuple[Event, ...]"
 
     @abstractmethod
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Array:
         """A column (n,), NaN where absent."""
 
     @abstractmethod
@@ -45,9 +44,7 @@ class AnyRun(ABC):
         """Whether a channel was measured."""
 
     @abstractmethod
-    def blocks(
-        self, names: Sequence[str], rows: int = BLOCK_ROWS
-    ) -> Iterator[dict[str, NDArray[np.float64]]]:
+    def blocks(self, names: Sequence[str], rows: int = BLOCK_ROWS) -> Iterator[dict[str, Array]]:
         """The named columns in blocks of that many rows, in order."""
 
     @abstractmethod
@@ -142,7 +139,7 @@ class AnyRun(ABC):
         """Valid steps with a target and a position, in order: the points (T_i, p_i) of §5.2.1."""
         return tuple(s for s in self.steps if not s.void and s.target is not None and s.position is not None)
 
-    def points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def points(self) -> tuple[Array, Array]:
         """Settled inputs and outputs, each (k,); those of every sample if there are no steps."""
         if self.settled:
             return (

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.core import (
     RUN,
+    Array,
     DataError,
     NotebookDisplay,
     Severity,
@@ -105,20 +105,18 @@ class Run(AnyRun, NotebookDisplay):
     # frozen; ``AnyRun`` cannot say that its attributes are read-only
     path: Path  # pyrefly: ignore [bad-override]
     meta: dict[str, Any]  # pyrefly: ignore [bad-override]
-    columns: dict[str, NDArray[np.float64]] = field(repr=False)
+    columns: dict[str, Array] = field(repr=False)
     steps: tuple[Step, ...] = field(repr=False)  # pyrefly: ignore [bad-override]
     events: tuple[Event, ...] = field(repr=False)  # pyrefly: ignore [bad-override]
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Array:
         check_column(name, self.columns)
         return self.columns[name]
 
     def __len__(self) -> int:
         return self["tick"].size
 
-    def blocks(
-        self, names: Sequence[str], rows: int = BLOCK_ROWS
-    ) -> Iterator[dict[str, NDArray[np.float64]]]:
+    def blocks(self, names: Sequence[str], rows: int = BLOCK_ROWS) -> Iterator[dict[str, Array]]:
         """The named columns in blocks of that many rows, in order."""
         for a in range(0, len(self), rows):
             yield {name: self[name][a : a + rows] for name in names}

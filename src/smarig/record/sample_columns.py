@@ -4,12 +4,11 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.record.table_hashes import BLOCK_ROWS
 
-Array = NDArray[np.float64]
 LARGEST = 1e30  # in any unit: nothing measured is larger, and the square of a larger number may overflow
 _STEP_NUMBERS = ("target", "t_start_s", "t_end_s", "position")
 READ_ROWS = BLOCK_ROWS  # rows of Python objects at a time, as they are hashed: larger blocks are slower

@@ -10,9 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from smarig.core import Array
 from smarig.record.any_run import BLOCK_ROWS, AnyRun
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run import (
@@ -48,7 +46,7 @@ class StoredRun(AnyRun):
                 hashes = [block_hash(b) for b in row_blocks(self._db, SAMPLE_COLUMNS, READ_ROWS)]
             refuse_damage(self.path, self.meta, {"sample": hashes})
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Array:
         check_column(name)
         with reading(self.path):
             return read_columns(self._db, [name])[name]
@@ -65,9 +63,7 @@ class StoredRun(AnyRun):
         check_column(name)
         return bool(self._rows(f"SELECT 1 FROM sample WHERE {_finite(name)} LIMIT 1"))
 
-    def blocks(
-        self, names: Sequence[str], rows: int = BLOCK_ROWS
-    ) -> Iterator[dict[str, NDArray[np.float64]]]:
+    def blocks(self, names: Sequence[str], rows: int = BLOCK_ROWS) -> Iterator[dict[str, Array]]:
         """The named columns in blocks of that many rows, in order."""
         for name in names:
             check_column(name)

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import NOT_NUMBERS, DataError
+from smarig.core import NOT_NUMBERS, Array, DataError
 from smarig.preisach import Everett, Initial, load_hysteresis
 from smarig.theory import (
     AccommodatingPreisach,
@@ -21,8 +21,6 @@ from smarig.theory import (
     ReversiblePreisach,
     SecondOrderExcess,
 )
-
-Array = NDArray[np.float64]
 
 
 class Operator(Protocol):

@@ -8,6 +8,7 @@ from operator import attrgetter
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.plant import (
     EARLY_STAGES,
     Actuator,
@@ -24,7 +25,6 @@ from smarig.preisach import Initial
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import Timeline
 
-Array = NDArray[np.float64]
 CACHE_SIZE = 24  # number of cached trajectories
 INPUT_COLUMNS = (
     "t_s",

@@ -13,14 +13,13 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError, root_mean_square
 from smarig.measurement import has_measured_input, input_noise_sd, spread_rows
 from smarig.plant import EffectType, is_testable
 from smarig.preisach import Everett, turning_points
 from smarig.record import Run
 from smarig.replay.timeline import DriveProfile, ReadingSeries, Timeline
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 MAX_READINGS = 240  # of a timeline
 MIN_BRANCH_READINGS = 4  # of a branch
@@ -146,7 +145,7 @@ class _MeasuredInputRun:
     def _branch_scatter(self) -> Array:
         """Scatter of the input about each branch, (branches,)."""
         scatter = self.raw - self.u
-        return np.array([float(np.sqrt(np.mean(scatter[a : b + 1] ** 2))) for a, b in pairwise(self.turns)])
+        return np.array([root_mean_square(scatter[a : b + 1]) for a, b in pairwise(self.turns)])
 
     def place_on_clock(
         self, rows: Integers, at: float, clock: bool, number: int, block: int

@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.measurement import (
     ConditionTable,
     InputRecord,
@@ -32,7 +31,6 @@ from smarig.replay.model_file import Model
 from smarig.replay.rig_record import load_records, means_over_windows
 from smarig.replay.wire_temperature import with_wire_temperature
 
-Array = NDArray[np.float64]
 SATURATION_GRID = 101
 SATURATION_SHARE = (
     0.01  # of the stroke: what is left of the major loop beyond an input that counts as saturated

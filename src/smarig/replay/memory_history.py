@@ -10,13 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.measurement import STARTS, Start, may_assume_start, starting_state
 from smarig.preisach import Preisach, RelayMeasure, State
 from smarig.record import Run, continues_run
 from smarig.replay.measured_input import driven_by_input
 
-Array = NDArray[np.float64]
 INPUT_TOLERANCE = 1e-6  # of the range: inputs that are closer count as equal
 MIN_REVERSAL = 0.01  # of the range of settled inputs: smaller reversals are noise of the current
 _MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from smarig.control import SelfSensing
 from smarig.core import (
     MODEL,
+    Array,
     DataError,
     NotebookDisplay,
     Origin,
@@ -151,7 +152,7 @@ class Model(NotebookDisplay):
     twin: bool
     created: str
     parameters: tuple[str, ...] = ()
-    covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    covariance: Array = field(default_factory=lambda: np.empty((0, 0)))
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
     effects: tuple[dict[str, Any], ...] = ()
     warnings: tuple[str, ...] = ()
@@ -188,7 +189,7 @@ class Model(NotebookDisplay):
                 "(§3.5), which only verify and predictions along runs support. Identify it with --extension none."
             )
 
-    def predict(self, u: ArrayLike, initial: Initial = "negative") -> NDArray[np.float64]:
+    def predict(self, u: ArrayLike, initial: Initial = "negative") -> Array:
         """Outputs (n,) for inputs u (n,), in the model's units, from an initial state."""
         return self.operator().simulate(u, initial)
 

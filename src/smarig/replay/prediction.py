@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.plant import Plant, SupportsHooks
 from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.replay.input_trajectory import CACHE_SIZE
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import DriveProfile, Timeline, session_offsets_s
 from smarig.replay.trajectory import Trajectory, simulate_timeline
-
-Array = NDArray[np.float64]
 
 OUTPUT_DEPENDENT_KINDS = (
     "settled",

@@ -8,15 +8,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.measurement import InputRecord, input_records, recorded_means
 from smarig.plant import Load
 from smarig.record import Run, continues_run
 from smarig.replay.measured_input import driven_by_input
 from smarig.replay.memory_history import input_path
 
-Array = NDArray[np.float64]
 STRESS = "stress"
 SAMPLES_PER_STEP = 20  # with fewer, the steps from sample to sample are no noise
 

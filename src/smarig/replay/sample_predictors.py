@@ -9,14 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from smarig.core import Sample
+from smarig.core import Array, Sample
 from smarig.plant import Actuator, Plant, SupportsHooks
 from smarig.preisach import Everett, Initial, Preisach, State
 
-Array = NDArray[np.float64]
 NAN = float("nan")
 OFFSET_SAMPLES = 50
 

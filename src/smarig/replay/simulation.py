@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, in_unit
+from smarig.core import Array, DataError, UsageError, in_unit
 from smarig.measurement import SATURATION_TOLERANCE, StartingState, may_assume_start, starting_state
 from smarig.preisach import Everett
 from smarig.record import FORC_PROTOCOL, Run, continues_run
@@ -26,8 +26,6 @@ from smarig.replay.plant_model import actuator_of, plant_model_of
 from smarig.replay.prediction import predict, predict_positions
 from smarig.replay.provenance import earlier_runs
 from smarig.replay.timeline_from_runs import build_timeline
-
-Array = NDArray[np.float64]
 
 
 def simulate(model: Model, run: Run) -> Array:

@@ -2,16 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from smarig.config import ActuatorFile
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.record import Run
 from smarig.replay.rig_record import stress_at_points
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,12 +10,11 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.plant import EffectType
 from smarig.preisach import Everett
 from smarig.record import CONTINUED, Run
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FIRST_STEP_S, STEP_GROWTH, LONGEST_STEP_S = 0.1, 1.3, 8.0  # time steps after a change of the current
 FINE_STEPS = (

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.plant import (
     Effect,
     EffectContext,
@@ -43,7 +44,6 @@ from smarig.replay.input_trajectory import (
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import Timeline
 
-Array = NDArray[np.float64]
 TRAJECTORY_COLUMNS = ("counts", "output", "austenite", "resistance", "command_A", "current_A", "ambient_K")
 AFTER_HYSTERESIS = (Stage.OUTPUT, Stage.ADDITIVE, Stage.SENSOR)
 

@@ -9,15 +9,13 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from smarig.config import ActuatorFile
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError
 from smarig.plant import Actuator, PowerTemperature
 from smarig.record import Run, Step
 
-Array = NDArray[np.float64]
 TemperatureSource = Literal["thermometer", "power", "heating model"]
 SOURCES: tuple[TemperatureSource, ...] = ("thermometer", "power", "heating model")
 

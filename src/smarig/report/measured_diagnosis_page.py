@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.diagnosis import MeasuredDiagnosis
 from smarig.identification import MeasuredHypothesis
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
@@ -27,7 +26,6 @@ from smarig.report.run_page import run_lead
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
-Array = NDArray[np.float64]
 _MOST_LOOPS = 4  # runs whose loops are drawn
 _PALE_OPACITY = 0.45
 

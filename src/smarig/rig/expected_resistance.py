@@ -9,12 +9,11 @@ whole wire: a wire may still be warm when its host believes it cold.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.plant import Actuator, WirePhases
 from smarig.preisach import Everett, Preisach
 
-Array = NDArray[np.float64]
 INPUT_MARGIN = 0.1  # of the range: uncertainty of the predicted temperature
 GRID = 200  # points of a branch
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.measurement import reversals
 
-Array = NDArray[np.float64]
 BRANCHES = "rising and falling branch"
 _NODES = 40  # of a curve of means
 
@@ -84,4 +84,4 @@ def baseline_rms(baseline: Baseline, held_out: Sequence[RunPoints], free_zero: S
     for points, free in zip(held_out, free_zero):
         error = (baseline.predict(points.u, points.direction) - points.y)[points.counted]
         errors.append(error - error.mean() if free else error)
-    return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
+    return root_mean_square(np.concatenate(errors))

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.exchange import FoundColumn, plausible
 
-Array = NDArray[np.float64]
 CONSTANT_SHARE = 0.1  # of the mean: a column that varies less counts as a condition
 _STEP_SHARE = 0.01  # of the rms step: a column that differs less from the steps of another one holds them
 _EVEN_SHARE = 0.02  # of the step: steps that differ less are equal
@@ -112,7 +111,7 @@ def steps_of(part: ColumnFacts, whole: ColumnFacts) -> bool:
     x, total = part.values, whole.values
     if x.size != total.size or x.size < 3 or part.missing or whole.missing or not part.span:
         return False
-    size = float(np.sqrt(np.mean(x**2)))
+    size = root_mean_square(x)
     if abs(x[1:].sum() - (total[-1] - total[0])) > _STEP_SHARE * size * x.size:  # soon decided
         return False
     return bool(np.sqrt(np.mean((np.diff(total) - x[1:]) ** 2)) <= _STEP_SHARE * size)

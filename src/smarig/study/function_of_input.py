@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.identification import (
     ErrorLevel,
     RunVerification,
@@ -28,7 +29,6 @@ from smarig.study.candidate_models import CandidateModel, compared_points, noise
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import one_way
 
-Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
 _FEWEST_NODES = 5
 _FOLDS, _BLOCKS = 5, 20
@@ -77,7 +77,7 @@ def function_of_input(best: CandidateModel, split: DataSplit) -> FunctionOfInput
         of_model, errors = (np.concatenate(part) for part in zip(*pairs))
         if _stands_out(errors**2 - of_model**2):
             return None
-    rms = float(np.sqrt(np.mean(errors**2)))
+    rms = root_mean_square(errors)
     good = error_verdict(rms, noise, rms / span if span else np.nan).level is ErrorLevel.GOOD
     return FunctionOfInput(*curve, rms, noise, best.rms) if good else None
 

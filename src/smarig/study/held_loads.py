@@ -4,8 +4,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.exchange import FoundTable
 from smarig.measurement import noise_range
 from smarig.study import quantity_words as q
@@ -39,7 +39,7 @@ def tables_of_loads(table: FoundTable, drive: str | None = None, out: str | None
     return [table]
 
 
-def _held_parts(load: NDArray[np.float64]) -> list[slice]:
+def _held_parts(load: Array) -> list[slice]:
     """The rows of each level of a load, one level after the other; between levels is a step of more than the range of
     the noise. Rows on the way from level to level are stretches of their own.
     """

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.identification import RunVerification
 from smarig.study.input_turns import wide_turns
 
-Array = NDArray[np.float64]
 _INTERVALS = 12  # of a branch
 _FEWEST = 8  # counted readings of a branch
 _BELONGS = 0.5  # of the largest error: neighbouring intervals with more belong to the same place
@@ -84,7 +83,7 @@ def _of_branch(run: str, u: Array, error: Array, first: int) -> BranchError | No
         rows=slice(first, first + u.size),
         start=float(ends[0] if rising > 0 else ends[1]),
         end=float(ends[1] if rising > 0 else ends[0]),
-        worst=float(np.sqrt(np.mean(error[rows] ** 2))),
+        worst=root_mean_square(error[rows]),
         worst_rows=slice(first + int(rows[0]), first + int(rows[-1]) + 1),
     )
 

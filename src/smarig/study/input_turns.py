@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.measurement import reversals
 
-Array = NDArray[np.float64]
 _LEAST_TRAVEL = 0.1  # of the range of the input: shorter branches do not count
 
 

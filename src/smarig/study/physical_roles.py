@@ -8,12 +8,11 @@ thermometer that lags reverses the first, and a damped sine weakens the second.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.measurement import dropouts
 from smarig.study.input_turns import wide_turns
 
-Array = NDArray[np.float64]
 _WIDE = 0.5  # of the range: branches that form a loop
 _LAGS = 0.3  # agreement with a lag, of at most 1
 _NARROW = 0.02  # of the range: a loop that noise or rounding would make

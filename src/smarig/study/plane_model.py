@@ -11,16 +11,14 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError
 from smarig.exchange import PlaneTable, known_unit, plane_table
 from smarig.preisach import FodTable
 from smarig.replay import ActuatorRecord, Model, NoiseRecord, SignalDescription
 from smarig.study.quantity_words import name_and_unit
 from smarig.study.study_files import STUDY_MODEL
 
-Array = NDArray[np.float64]
 EVERETT, WEIGHTS, DENSITY = "an Everett table", "a table of Preisach weights", "a Preisach density"
 _WORDS = (
     (EVERETT, re.compile(r"everett", re.IGNORECASE)),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import shown
+from smarig.core import Array, shown
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess
 from smarig.study.input_turns import wide_turns
@@ -79,7 +79,7 @@ def witness_reason(c: ColumnGuess, drive: ColumnGuess) -> str:
     return f"{words}; {jumps}: try it as the input"
 
 
-def _rises(u: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _rises(u: Array) -> NDArray[np.bool_]:
     """Whether each row lies on a rising branch, between turns that noise does not make."""
     rises = np.zeros(u.size, dtype=bool)
     turns = wide_turns(u)
@@ -88,7 +88,7 @@ def _rises(u: NDArray[np.float64]) -> NDArray[np.bool_]:
     return rises
 
 
-def _median(x: NDArray[np.float64]) -> float:
+def _median(x: Array) -> float:
     return float(np.median(x)) if x.size else np.nan
 
 

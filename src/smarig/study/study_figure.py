@@ -6,7 +6,7 @@ from itertools import cycle
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.identification import RunVerification
 from smarig.record import Run
 from smarig.replay import recorded_conditions
@@ -27,7 +27,6 @@ from smarig.study.data_split import LOAD
 from smarig.study.held_out_parts import BranchError, worst_place
 from smarig.study.study_result import StudyResult
 
-Array = NDArray[np.float64]
 _PALE = 0.45
 _FAMILY_DASHES = ("solid", "dash", "dashdot")  # neighbouring shades alone cannot be told apart
 _FEW = 300  # readings: so many are drawn as dots

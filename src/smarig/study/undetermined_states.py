@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, spaced
+from smarig.core import Array, DataError, UsageError, spaced
 from smarig.diagnosis import RULES, inputs_of_error, missing_share
 from smarig.identification import RunVerification, identify, verify
 from smarig.record import Run
@@ -15,7 +14,6 @@ from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import DataSplit
 from smarig.study.input_turns import wide_turns
 
-Array = NDArray[np.float64]
 _SAME_TURN = 0.05  # of the range of the input: a turn as near to a fitted one is no new one
 _MOST_SHOWN = 3
 

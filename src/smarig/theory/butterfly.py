@@ -11,13 +11,10 @@ loop for which ∫u dy does not dissipate. §7.2 names this case as one that its
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach import FodTable, RelayMeasure
 from smarig.theory.properties.triangle_grid import table_of
-
-Array = NDArray[np.float64]
 
 
 def butterfly_table(levels: int = 24, upper: float = 1.0, coercive: float = 0.2) -> FodTable:

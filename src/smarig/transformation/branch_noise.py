@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification import variance_inflation
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 

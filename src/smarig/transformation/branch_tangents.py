@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.transformation.branch_noise import ReadingNoise, at_least, pooled, reading_noise
 from smarig.transformation.fitted_line import (
     PlateauLine,
@@ -28,7 +28,6 @@ from smarig.transformation.rough_shape import RoughShape, rough_shape
 from smarig.transformation.steep_choices import steep_lines
 from smarig.transformation.tangent_ranges import FEWEST_PLATEAU, JUMP, plateau_rows
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FEWEST_READINGS = 10
 DRAWS = 400

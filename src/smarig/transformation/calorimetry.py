@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.measurement import input_noise_sd
 from smarig.record import Run
 from smarig.transformation.branch_tangents import LEAST_RISE
@@ -21,7 +20,6 @@ from smarig.transformation.heat_flow_peak import HeatFlowPeak, heat_flow_peak
 from smarig.transformation.rough_shape import monotone
 from smarig.transformation.temperature_record import TemperatureRecord, temperature_record
 
-Array = NDArray[np.float64]
 UP, DOWN = "up", "down"
 _NAMES = {  # of the figures of a peak, by direction
     "heating": {"low": "A_s", "peak": "A_p", "high": "A_f", "heat": "heating_heat"},

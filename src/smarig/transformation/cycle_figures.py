@@ -13,12 +13,11 @@ The names in brackets are those of ASTM E3097 for a constant force. The residual
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.transformation.branch_tangents import DRAWS, BranchTangents, Corner
 from smarig.transformation.full_branches import HEATING, FullBranch
 
-Array = NDArray[np.float64]
 CORNERS = {  # the branch and the side of its corner
     "A_s": ("heating", "low"),
     "A_f": ("heating", "high"),

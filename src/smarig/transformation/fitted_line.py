@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Integers = NDArray[np.int64]
 _BEND = 0.4  # of share² of the linear term: standard deviation of the bent terms before the readings are seen
 

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.measurement import input_noise_sd
 from smarig.preisach import turning_points
 from smarig.transformation.temperature_record import TemperatureRecord
 
-Array = NDArray[np.float64]
 HEATING, COOLING = "heating", "cooling"
 _REVERSAL = 0.1  # of the temperature's range: a smaller reversal does not end a branch
 _ZIGZAG = 0.3  # share of the readings at which the temperature turns: more is noise

@@ -20,7 +20,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.measurement import input_noise_sd
 from smarig.transformation.branch_noise import ReadingNoise, pooled, reading_noise
 from smarig.transformation.branch_tangents import DRAWS, LEAST_RISE, with_choice
@@ -36,7 +36,6 @@ from smarig.transformation.fitted_line import (
 )
 from smarig.transformation.tangent_ranges import plateau_rows, steep_rows, steepest_centre
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FEWEST_OF_PEAK = 20  # readings of a branch
 _END = 0.05  # of the readings: the level at an end, before anything else is known

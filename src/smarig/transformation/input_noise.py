@@ -5,9 +5,9 @@ the readings removes most of it. Records without such noise stay as they are.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 _BACKWARD = 0.2  # share of the readings that go backward: fewer are no noise
 _SMOOTH = 0.05  # share of backward readings at which the smoothing is enough
 _WIDEST = 25  # readings

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.transformation.tangent_ranges import plateau_rows, steep_rows, steepest_centre
 
-Array = NDArray[np.float64]
 Line = tuple[float, float]  # level at input 0, and slope
 _END = 0.15  # of the input's range: the first plateaus
 _STEEP_END = 0.15  # of the steepest slope: an end with more slope is no plateau

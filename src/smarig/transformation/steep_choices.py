@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.transformation.branch_noise import ReadingNoise, at_least, reading_noise
 from smarig.transformation.fitted_line import SteepLine, SteepNoise, steep_line
 from smarig.transformation.rough_shape import RoughShape
 from smarig.transformation.tangent_ranges import ENOUGH_STEEP, JUMP, steep_rows
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 _UNCERTAIN = 3.0  # times the standard deviation of the most certain slope
 _FEW_STEEP = 8  # readings

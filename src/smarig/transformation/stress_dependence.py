@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit  # scipy.stats takes 50 MB and a second
 
+from smarig.core import Array
 from smarig.transformation.cycle_figures import TEMPERATURES
 from smarig.transformation.run_figures import RunFigures
 
-Array = NDArray[np.float64]
 TENSION, COMPRESSION = "tension", "compression"
 _SAME_SHARE = 0.02  # of the largest stress: smaller differences are one stress
 

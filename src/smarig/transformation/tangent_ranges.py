@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Integers = NDArray[np.int64]
 STEEP_SHARES = (0.3, 0.4, 0.5, 0.6)  # of the output between both plateaus, about the steepest reading
 PLATEAU_GAPS = (0.75, 1.0, 1.5)  # of the span from start to finish, left out of a plateau next to its knee

@@ -6,14 +6,12 @@ Steps that settled give one reading each; a run without such steps gives all of 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.measurement import dropouts
 from smarig.record import Run, counted
 from smarig.replay import recorded_actuator
 
-Array = NDArray[np.float64]
 _ZERO_DEGC_K = 273.15
 _OF_TWO_WIRES = "T1 - T2"
 _LARGEST = 1e100

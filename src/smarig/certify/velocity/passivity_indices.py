@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.control import VelocityController, finite, not_negative
-from smarig.core import DataError, UsageError
-
-Array = NDArray[np.float64]
+from smarig.core import Array, DataError, UsageError
 
 
 def response(controller: VelocityController, error: ArrayLike, dt_s: float) -> Array:

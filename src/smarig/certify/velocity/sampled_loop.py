@@ -19,15 +19,13 @@ In continuous time the loop is an equation for u̇ with the factor H∞ ∂y/∂
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from smarig.certify.velocity.stability import k_e, sharp_bound
 from smarig.control import LaggedOperator, VelocityController
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.preisach import Everett, Initial
 from smarig.theory import recoverable_energy
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,17 +11,15 @@ velocity error stays bounded; it does not prove that the position converges.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from smarig.certify.certificate_units import UNKNOWN, Units, with_unit
 from smarig.certify.hypothesis import Hypothesis, all_hold, failing
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
 from smarig.certify.storage_bound import StorageBound, storage_bound
 from smarig.control import VelocityController
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach import Everett, Initial, Preisach
-
-Array = NDArray[np.float64]
 
 
 def k_e(controller: VelocityController) -> float:

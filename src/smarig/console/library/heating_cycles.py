@@ -1,9 +1,9 @@
 """The heating cycles of a run, counted as the history of its wire counts them (``record.Wear``)."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.config import ActuatorFile, LimitsFile
+from smarig.core import Array
 from smarig.plant import Actuator
 from smarig.protocols import Setup
 from smarig.record import COLD, HOT, AnyRun
@@ -20,7 +20,7 @@ def input_range_K(run: AnyRun) -> float | None:
         return None
 
 
-def heating_cycles(u: NDArray[np.float64], range_K: float) -> int:
+def heating_cycles(u: Array, range_K: float) -> int:
     """How often the input (n,) rose above half of the range after it was below a quarter.
 
     >>> heating_cycles(np.array([0.0, 90.0, 40.0, 90.0, 10.0, 90.0]), 100.0)

@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.console.library.library_entry import MODEL, RUN
 from smarig.console.library.result_content import ERROR
+from smarig.core import Array
 
-Array = NDArray[np.float64]
 _OF_RUNS = ("stroke", "A_s", "A_f", "M_s", "M_f", "cycles")
 QUANTITIES = {**dict.fromkeys(_OF_RUNS, RUN), ERROR: MODEL}
 

@@ -9,9 +9,9 @@ import time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.console.library.heating_cycles import input_range_K
+from smarig.core import Array
 from smarig.live import boundary
 from smarig.preisach import Initial, Preisach, RelayMeasure
 from smarig.record import StoredRun
@@ -25,7 +25,6 @@ _INITIAL: dict[str | None, Initial] = {
     "positive": "positive",
     "anhysteretic": "anhysteretic",
 }  # else negative
-Array = NDArray[np.float64]
 
 
 class InputMemory:

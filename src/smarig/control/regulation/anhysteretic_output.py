@@ -12,12 +12,11 @@ import math
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach import Everett, bracketed_root
 
-Array = NDArray[np.float64]
 GRID_POINTS = 256
 ROUNDING = 1e-12  # relative to the output range
 

@@ -14,17 +14,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.control.argument_checks import positive
 from smarig.control.regulation.boundary_plane import BoundaryPlane, turning_points
-from smarig.core import UsageError, Waveform
+from smarig.core import Array, UsageError, Waveform
 from smarig.plant import temperature_along
 from smarig.preisach import Everett, Preisach
 from smarig.protocols import Setup
 from smarig.theory import Boundary
 
-Array = NDArray[np.float64]
 RELATIVE_FREQUENCIES = (
     1.6,
     1.1,

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from smarig.core import Array
 from smarig.preisach import Everett, Preisach, RelayMeasure, State
 from smarig.theory import Boundary, boundary_of, diagonal, distance
 
@@ -86,7 +87,7 @@ class BoundaryPlane:
         return memory
 
 
-def turning_points(u: NDArray[np.float64]) -> NDArray[np.float64]:
+def turning_points(u: Array) -> Array:
     """The inputs at which u (n,) turns back, and its last: all that is remembered of it."""
     moved = np.flatnonzero(np.diff(u)) + 1
     turns = moved[:-1][np.diff(np.sign(u[moved] - u[moved - 1])) != 0]

@@ -15,11 +15,10 @@ from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 
-Array = NDArray[np.float64]
 _LARGEST = 1e9  # of any number in a file, in its unit
 ONE_WIRE_TERMS = ("1", "y", "T", "yT")
 TWO_WIRE_TERMS = ("1", "y", "T", "xi", "xiy", "m")

@@ -4,16 +4,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from smarig.control.tracking.reference import Reference
-from smarig.core import UsageError
+from smarig.core import Array, UsageError, root_mean_square
 from smarig.plant import Actuator
 
 SETTLING_BAND_COUNTS = 2.0
 SETTLED_FOR_S = 5.0  # time that the position must stay in the band
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,7 @@ def tracking_performance(
     dt = float(np.median(np.diff(t)))
     steps = _steps(reference, t, y, per_count, ahead_s) if reference.held else ()
     return TrackingPerformance(
-        rms=float(np.sqrt(np.mean(evaluated**2))),
+        rms=root_mean_square(evaluated),
         largest=float(np.abs(evaluated).max()),
         settle_s=tuple(s for s, _ in steps),
         overshoot=tuple(o for _, o in steps),

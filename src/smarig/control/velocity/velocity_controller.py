@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.control.argument_checks import positive
+from smarig.core import Array
 
-Array = NDArray[np.float64]
 _SHORTEST, _LONGEST = 64, 1 << 20
 
 

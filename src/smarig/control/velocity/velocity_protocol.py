@@ -13,18 +13,16 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.control.argument_checks import not_negative
 from smarig.control.current_limits import limited_current, ramp_to_zero
 from smarig.control.tracking.reference import Reference
 from smarig.control.tracking.tracking_protocol import TRACKING_LOOP_CLOSED, TRACKING_LOOP_OPENED
 from smarig.control.velocity.velocity_controller import VelocityController
-from smarig.core import Command, Drive, Mark, Protocol, Sample, UsageError
+from smarig.core import Array, Command, Drive, Mark, Protocol, Sample, UsageError
 from smarig.protocols import Setup
 from smarig.protocols import initialise as initialise_wire
 
-Array = NDArray[np.float64]
 # Thm 8.2 for this loop, for the record, as a function of the share of clipped samples (None before it is measured).
 Assessment = Callable[[float | None], Mapping[str, Any]]
 

@@ -14,7 +14,8 @@ from scipy.linalg import LinAlgError
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
 from scipy.special import gammaln
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Rows = NDArray[np.int64]
 NU = 4  # degrees of freedom: tails of blocks
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError
 from scipy.optimize import minimize
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.block_predictions import inverse, left_out
 
-Array = NDArray[np.float64]
 LEVEL = 10.0  # variance of the unknown constant
 USUAL, SPREAD = -6.0, 15.0  # log of a size, of outputs with a range of one
 LEAST_NOISE = 1e-3  # of the range

@@ -7,12 +7,11 @@ trial the scores are a parabola in θ, or in log θ if all have one sign; elsewh
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Trial
 from smarig.diagnosis.comparison.weights import CREDIBLE, Weights
 
-Array = NDArray[np.float64]
 POINTS = 40  # between two trials
 DRAWS = 200
 

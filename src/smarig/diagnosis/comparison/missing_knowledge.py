@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 
-Array = NDArray[np.float64]
 EXPERIMENT = "Train with a run that turns where the held-out runs turn."
 ENDS = (0.05, 0.95)  # of the square error: the inputs between which it lies
 

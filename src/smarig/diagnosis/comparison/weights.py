@@ -12,11 +12,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 
-Array = NDArray[np.float64]
 PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR = 0.5, 0.4, 0.1
 PRIOR_VARIABLE = 0.1
 TEMPERATURE = 3.0  # readings of a block share errors of the model, so their scores count less

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from smarig.core import Array
 from smarig.diagnosis.refit.density_prior import SMOOTHING, DensityPrior, density_prior
 from smarig.diagnosis.refit.memory_noise import memory_slopes
 from smarig.diagnosis.refit.moved_density import without_effects
@@ -13,8 +13,6 @@ from smarig.diagnosis.refit.reading_noise import encoder_error_traces, output_ra
 from smarig.diagnosis.refit.variance_components import ReadingCovariance, bounds_of
 from smarig.preisach import Everett
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

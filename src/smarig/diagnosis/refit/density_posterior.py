@@ -6,13 +6,12 @@ It is computed on demand, because most refits need the covariance only.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 
+from smarig.core import Array
 from smarig.diagnosis.refit.density_prior import DensityPrior
 from smarig.preisach import FodTable
 
-Array = NDArray[np.float64]
 MAX_CORRECTIONS = 10  # most rounds that redistribute what clipped masses lose
 TOLERANCE_STROKES = 1e-5  # strokes
 

@@ -12,15 +12,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.sparse import csr_matrix
 
+from smarig.core import Array
 from smarig.identification import SAME_LEVEL, Observations, Triangle, adapted_nodes
 from smarig.preisach import Everett
 from smarig.replay import Prediction
 
-Array = NDArray[np.float64]
 MIN_INTERVALS, MAX_INTERVALS = 200, 240  # of the partition: every measured level can be a node
 LEVEL_SHARE = 0.5  # share of the levels in the scale
 KNOTS = 11

@@ -12,8 +12,8 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.refit.coupled_readings import effect_contribution
 from smarig.diagnosis.refit.density_prior import DensityPrior, density_prior
 from smarig.diagnosis.refit.moved_density import with_moved_density
@@ -22,7 +22,6 @@ from smarig.identification import Observations, fit_table, surface_through_state
 from smarig.preisach import Everett, FodSurface
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
-Array = NDArray[np.float64]
 START_SMOOTHING = 1e-14  # λ of the initial measure
 MAX_ROUNDS = 30
 AS_GOOD = 1.05  # times the error of another density: chance of the fit

@@ -9,13 +9,11 @@ is the time at which that extremum was reached. Readings of one step share their
 from bisect import bisect_right
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from smarig.core import Array
 from smarig.preisach import Everett, sensitivities
 from smarig.replay import Prediction
-
-Array = NDArray[np.float64]
 
 
 def memory_slopes(hysteresis: Everett, prediction: Prediction) -> tuple[csr_matrix, Array]:

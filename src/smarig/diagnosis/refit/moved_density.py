@@ -9,13 +9,12 @@ A density was identified along the input without effects. An amplifier with a ga
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
+from smarig.core import Array
 from smarig.preisach import Everett, FodTable
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
-Array = NDArray[np.float64]
 LEAST_DISTANCE = 1e-6  # of nodes, in input ranges: between closer ones a slope is rounding
 NODES = 200  # of the moved density if its own has no nodes
 

@@ -10,14 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import Effect, Parameter
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline, predict, with_hysteresis
 
-Array = NDArray[np.float64]
 MAX_ITERATIONS = 10
 JUMP_MIN_TRIES = 6  # tries of a time in the record: the effect of the time is a jump
 _MAX_SCANS = 4

@@ -11,9 +11,9 @@ This is 0.15 counts at σ = 0.2, and 0.002 counts at 0.5. Holds at one position 
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 HARMONICS = 3
 _NOISE_COUNTS = np.linspace(0.0, 1.0, 401)  # σ of a reading before it is rounded
 

@@ -6,11 +6,11 @@ Positions of one session share a zero. A resistance has its own zero and scale. 
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.drive_statistics import DriveStatistics, raw_noise, reading_scatter
 from smarig.diagnosis.refit.quantization import noise_before_rounding, quantization_traces
 from smarig.replay import PlantModel, Prediction, ReadingSeries, Timeline
 
-Array = NDArray[np.float64]
 FREE_ZERO_SD = 30.0  # sd of a zero, in ranges of the output: practically free
 EFFECT_ERROR_SHARE = 0.01  # of what effects change that no density would: their equations are approximations
 UNOBSERVED_SHARE = 0.03  # of the stroke: travel beyond the farthest hold, which a resistance shows
@@ -129,5 +129,5 @@ def _local_noise(y: Array) -> float:
     second_differences = np.abs(y[:-2] - 2 * y[1:-1] + y[2:])
     robust = float(np.median(second_differences)) / 0.6745
     usual = second_differences[second_differences <= OUTLIER_SD * robust]
-    noise = float(np.sqrt(np.mean(usual**2))) if usual.size else robust
+    noise = root_mean_square(usual) if usual.size else robust
     return max(noise / np.sqrt(6.0), 1e-9 * max(float(np.abs(y).max()), 1e-9))

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
+from smarig.core import Array
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.density_posterior import DensityPosterior
@@ -26,8 +26,6 @@ from smarig.diagnosis.refit.variance_components import (
 )
 from smarig.preisach import Everett
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

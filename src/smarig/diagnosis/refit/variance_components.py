@@ -7,14 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
 from scipy.optimize import OptimizeResult, minimize
 
+from smarig.core import Array
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.replay import PlantModel, Timeline
 
-Array = NDArray[np.float64]
 AT_BOUND, LOG_FLUCTUATION_STILL = 0.05, -2.0  # log₁₀: distance from a bound of s_T; s_T in still air
 LOG_FLUCTUATION_START = (
     -0.8

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import MissingExtra
+from smarig.core import Array, MissingExtra
 from smarig.exchange.export_columns import integers, label, sample_columns, title
 from smarig.record import AnyRun
 
@@ -46,7 +45,7 @@ def parquet(run: AnyRun, path: Path) -> None:
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
 
 
-def _array(values: NDArray[np.float64], whole: bool) -> Any:
+def _array(values: Array, whole: bool) -> Any:
     """An arrow array, null where unknown. From buffers, because ``pa.array`` imports pandas."""
     import pyarrow as pa
 

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from smarig.core import Settled
+from smarig.core import Array, Settled
 from smarig.identification.positive.observations import corners_of
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach import State
 from smarig.protocols import Setup
 
 MemoryPath = tuple[float, ...]
-Corners = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+Corners = tuple[NDArray[np.int64], Array, Array, Array]
 
 
 def path_after(path: MemoryPath, u: float) -> MemoryPath:

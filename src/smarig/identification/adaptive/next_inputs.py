@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import Settled
+from smarig.core import Array, Settled
 from smarig.identification.adaptive.memory_path import MemoryPath, corners, duration_s, paths_along, rows
 from smarig.identification.adaptive.plan_search import best_plan
 from smarig.identification.adaptive.surface_posterior import (
@@ -25,7 +24,6 @@ from smarig.identification.positive.observations import COMMON
 from smarig.identification.positive.triangle import Triangle
 from smarig.protocols import HoldResult, NextInputs, Setup
 
-Array = NDArray[np.float64]
 INTERVALS = 24  # of the triangle used for planning
 SMOOTHING = 1e-12
 _MIN_READINGS = 6  # readings needed before the measure is fitted

@@ -10,12 +10,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.adaptive.memory_path import MemoryPath, path_after, rows
 from smarig.identification.adaptive.surface_posterior import SurfacePosterior
 
-Array = NDArray[np.float64]
 MAX_HOLDS, BEAM_WIDTH = 4, 24  # holds of a plan; plans continued after each hold but the first
 HoldCost = Callable[[float, float], float]
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.sparse import csr_matrix
 
+from smarig.core import Array, root_mean_square
 from smarig.identification.positive.triangle import Triangle
 
-Array = NDArray[np.float64]
 LENGTHS = (0.07, 0.11, 0.17, 0.26)  # correlation lengths tried, as shares of the range
 BASE_DENSITY_SHARE = 0.2  # share of the mean density that is the prior sd where none was found
 _AROUND = 0.12  # share of the range over which the density is averaged
@@ -95,7 +95,7 @@ def _conditioned(
     half = solve_triangular(lower, scale * across, lower=True)
     inverse = cho_solve((lower, True), np.eye(change.size))
     left_out = (inverse @ change) / np.sqrt(np.diag(inverse))
-    error_inflation = max(1.0, float(np.sqrt(np.mean(left_out**2))))
+    error_inflation = max(1.0, root_mean_square(left_out))
     return likelihood, length, scale * prior - half.T @ half, error_inflation
 
 

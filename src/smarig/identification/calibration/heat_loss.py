@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.calibration.holds import at_range_end, drive_holds, valid_rows
 from smarig.identification.interval_estimate import Estimate, LinearFit, linear_fit
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 _TIME_CONSTANTS = 5.0
 _FEWEST = 5
 _NONLINEARITY_RATIO = 3.0

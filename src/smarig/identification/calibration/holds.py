@@ -6,10 +6,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import Quality
+from smarig.core import Array, Quality
 from smarig.record import Run, suspect_rows
 
-Array = NDArray[np.float64]
 _STEP = 0.02  # of the drive's range: a larger change between two samples is a step
 _FEWEST = 10  # readings
 _GAP_S = 2.0  # a run whose clock jumps by more was interrupted there

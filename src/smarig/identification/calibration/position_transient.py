@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import fminbound
 
+from smarig.core import Array
 from smarig.identification.calibration.holds import drive_holds, valid_rows
 from smarig.identification.interval_estimate import Estimate, quantile, variance_inflation
 from smarig.measurement import Start
@@ -22,7 +23,6 @@ from smarig.preisach import Everett, Preisach
 from smarig.record import Run, continues_run
 from smarig.replay import recorded_start
 
-Array = NDArray[np.float64]
 _LONGEST = 40_000  # samples simulated: dozens of holds, a few seconds of computing
 _FACTOR = 30.0  # τ is searched within this factor of the actuator's value
 _LEAST_TRIALS = 13  # of τ: so often each session is simulated before the search is refined

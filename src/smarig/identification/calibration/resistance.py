@@ -8,14 +8,13 @@ current, which suits a constant voltage noise. Two wires (currents of both signs
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.calibration.holds import valid_rows
 from smarig.identification.calibration.two_wire_resistance import two_wire_resistances
 from smarig.identification.interval_estimate import Estimate, linear_fit
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 _MIN_TRAVEL_SHARE = 0.8  # of the widest run's travel: a run with less does not show both phases
 _SECOND_WIRE = 0.1  # of the largest current: more in the other direction flows through a second wire
 _NAMES = {"R_M": "The martensite resistance R_M", "R_A": "The austenite resistance R_A"}

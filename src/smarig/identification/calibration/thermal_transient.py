@@ -11,15 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from smarig.core import f_quantile
+from smarig.core import Array, f_quantile
 from smarig.identification.calibration.holds import DriveHold, drive_holds, drive_name, valid_rows
 from smarig.identification.interval_estimate import Estimate, quantile, variance_inflation
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 _BINS = 300
 _MOST_STEPS = 20
 _SIGNIFICANT = 0.99

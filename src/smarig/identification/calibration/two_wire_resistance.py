@@ -14,11 +14,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.calibration.holds import valid_rows
 from smarig.identification.interval_estimate import Estimate, LinearFit, linear_fit
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 Segments = list[tuple[Array, Array]]
 COLD, BARELY_WARM = 0.01, 0.12  # x of a cold wire, and up to which its heating is used
 HOT = 0.9  # of the largest x

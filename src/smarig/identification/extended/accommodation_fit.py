@@ -17,14 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from smarig.core import DataError, f_quantile, f_tail
+from smarig.core import Array, DataError, f_quantile, f_tail
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.identification.interval_estimate import Estimate
 from smarig.preisach import Everett
 from smarig.record import Run
 from smarig.theory import AccommodatingPreisach
 
-Array = NDArray[np.float64]
 _SHORTEST, _LONGEST, _SCAN = 0.02, 200.0, 17  # strokes
 
 

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names, spaced
+from smarig.core import Array, DataError, UsageError, catalogue_entry, catalogue_names, spaced
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
 from smarig.identification.extended.extension_names import BEST, EXTENSIONS, NONE
 from smarig.identification.extended.extremum_chains import extremum_chains
@@ -24,7 +23,6 @@ from smarig.preisach import Everett, Preisach
 from smarig.record import Run
 from smarig.replay import extended_operator
 
-Array = NDArray[np.float64]
 Refit = Callable[[Sequence[Run]], Everett]
 _DRAWS = 999
 

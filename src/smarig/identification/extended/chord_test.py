@@ -15,14 +15,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, chi2_tail, f_tail
+from smarig.core import Array, DataError, chi2_tail, f_tail
 from smarig.identification.noise_floor import NoiseFloor
 from smarig.record import Run
 from smarig.replay import memory_histories
 
-Array = NDArray[np.float64]
 ChordVerdict = Literal["Preisach", "non-linear Preisach", "neither"]
 
 

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.record import Run
 from smarig.replay import MemoryHistory, memory_histories
 
-Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, t_quantile, t_tail
+from smarig.core import Array, DataError, UsageError, root_mean_square, t_quantile, t_tail
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.identification.extended.spline_surface import first_order_surface
 from smarig.identification.interval_estimate import Estimate
@@ -26,7 +26,6 @@ from smarig.preisach import FodTable
 from smarig.record import Run
 from smarig.theory import MovingPreisach, slope_range
 
-Array = NDArray[np.float64]
 _FEWEST = 8
 _SCAN = 7
 _ROUNDS = 3
@@ -97,8 +96,8 @@ def identify_moving(runs: Sequence[Run], *, reach: float | None = None) -> Movin
     return MovingFit(
         Estimate(k, (k - half, k + half), unit, "moving model on minor loops", loops.size),
         2 * t_tail(abs(k) / error, _DRAWS - 1),
-        float(np.sqrt(np.mean(left**2))),
-        float(np.sqrt(np.mean(without**2))),
+        root_mean_square(left),
+        root_mean_square(without),
         shifted_surface(surface.table, k),
     )
 

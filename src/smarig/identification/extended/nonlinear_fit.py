@@ -19,13 +19,12 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, chi2_tail, normal_quantile
+from smarig.core import Array, DataError, chi2_tail, normal_quantile
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.preisach import Everett, FodTable
 from smarig.record import Run
 from smarig.theory import NonlinearPreisach, RestrictedPreisach, SecondOrderExcess, second_order_mask
 
-Array = NDArray[np.float64]
 MOST_NODES = 34  # of the partition: 5,456 values of Q, whose covariance takes 0.2 GB
 
 

@@ -10,15 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, chi2_tail, normal_quantile
+from smarig.core import Array, DataError, chi2_tail, normal_quantile
 from smarig.preisach import Everett, Preisach
 from smarig.record import Run
 from smarig.replay import memory_histories
 from smarig.theory import ReversiblePart, ReversiblePreisach
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.extended.extremum_chains import ExtremumChains, Places
 from smarig.preisach import FodTable
 
-Array = NDArray[np.float64]
 _PROPER = 1e-4  # a small ridge makes the prior proper
 _SPLINES = 24  # enough that the prior, not the basis, determines the smoothness
 _LEVELS = 121

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.optimize import least_squares
 
-from smarig.core import DataError
+from smarig.core import Array, DataError, root_mean_square
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_density import forc_density
 from smarig.identification.forc.forc_diagram import SIGNIFICANT, ForcDiagram, ForcPeak
 
-Array = NDArray[np.float64]
 _NEAREST = 49  # points of a neighbourhood (SF = 3): a wider one would widen the ridge
 _FEWEST_CURVES = 30
 _REACH = 12  # grid steps on both sides of the ridge
@@ -196,4 +195,4 @@ def _height_error(places: _Places, basis: Array, size: int, noise: float) -> flo
         known = np.isfinite(profile)
         if known.sum() == size:
             heights.append(np.linalg.lstsq(basis, profile[known], rcond=None)[0][3])
-    return float(np.sqrt(np.mean(np.square(heights)))) if heights else float("inf")
+    return root_mean_square(heights) if heights else float("inf")

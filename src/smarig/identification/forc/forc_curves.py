@@ -7,9 +7,8 @@ whose peak is the reversal.
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.preisach import ForcCurve
 from smarig.record import FORC_PROTOCOL, Run
 
@@ -46,7 +45,7 @@ def curves_from_run(run: Run) -> tuple[ForcCurve, ...]:
     return tuple(curves)
 
 
-def _curve(run: Run, number: int, beta: NDArray[np.float64], y: NDArray[np.float64]) -> ForcCurve:
+def _curve(run: Run, number: int, beta: Array, y: Array) -> ForcCurve:
     begin = int(np.argmax(beta))
     beta, y = beta[begin:], y[begin:]
     least_before = np.concatenate([[np.inf], np.minimum.accumulate(beta)[:-1]])

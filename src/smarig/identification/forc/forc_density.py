@@ -11,9 +11,9 @@ from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import NOT_NUMBERS, DataError, UsageError
+from smarig.core import NOT_NUMBERS, Array, DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_density_local import LocalFits, local_fits
 from smarig.identification.forc.forc_density_smoothing import (
@@ -24,7 +24,6 @@ from smarig.identification.forc.forc_density_smoothing import (
 )
 from smarig.identification.forc.forc_density_windows import WINDOWS
 
-Array = NDArray[np.float64]
 _MAX_GAIN_RATIO = 30.0  # times the typical standard error: too few neighbours
 _FEWEST = 12  # points: twice the terms of a quadratic
 _NOISE_POINTS = 4000  # largest number of points for the noise, if the density is requested at other places

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.forc.forc_density_windows import RegressionWindow
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 _CELL = 9.0  # steps: with places as dense as points, about eighty places share the arithmetic
 _BLOCK = 96  # places at a time, so that their weights fit the cache

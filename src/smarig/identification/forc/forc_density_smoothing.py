@@ -10,14 +10,12 @@ compared. ``benchmark.density`` measures the error against true densities.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.forc.forc_density_local import local_fits, neighbourhoods
 from smarig.identification.forc.forc_density_windows import WINDOWS
 
-Array = NDArray[np.float64]
 DEGREES = (2, 4)
 _PLACES = 1500  # largest number of places for the score, evenly spaced in the data
 _ALLOWED_RISES = 2  # number of rises of the error that end the search for k

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_density import DensityEstimate, fod_density
 from smarig.identification.forc.forc_density_smoothing import SmoothingChoice, smoothing_factor
 
-Array = NDArray[np.float64]
 SIGNIFICANT = 1.96  # standard errors: 95 %, at a single place
 _PLACES = 25_000  # number of grid places, roughly
 _REACH = 1.5  # grid steps of the data from the nearest point: further away, the density would be extrapolated

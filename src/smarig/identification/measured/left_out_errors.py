@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.measured.measured_fit import SMOOTHINGS, MeasuredProblem, predicted_outputs
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 EQUAL_ERROR = 1.001  # times the least error: less smoothing that gains less is not worth it
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, spaced, suggestion
+from smarig.core import Array, DataError, UsageError, root_mean_square, spaced, suggestion
 from smarig.identification.measured.left_out_errors import chosen_smoothing
 from smarig.identification.measured.measured_fit import MeasuredFit, fit_measured, measured_problem
 from smarig.identification.measured.measured_hypothesis import Comparison, MeasuredHypothesis, compared
@@ -33,7 +33,6 @@ from smarig.measurement import (
 )
 from smarig.preisach import FodTable
 
-Array = NDArray[np.float64]
 OWN_ADVANTAGE = 0.9  # of the error at loads left out, at most: measures of their own are the larger model
 FEWEST_TO_LEAVE_OUT = 3
 PROPORTIONAL = "proportional_part"
@@ -278,7 +277,9 @@ class _Loads:
             *(tuple(x[j] for j in others) for x in (self.table.values, self.table.gains, self.own_zeros)),
         )
         own = rest.outputs(self.shapes[others][:, ~kept], value)
-        return LeftOutLoad(value, k in (0, len(self.each) - 1), _rms(y - one), _rms(y - own))
+        return LeftOutLoad(
+            value, k in (0, len(self.each) - 1), root_mean_square(y - one), root_mean_square(y - own)
+        )
 
     @property
     def own_zeros(self) -> tuple[float, ...]:
@@ -315,7 +316,3 @@ def is_far(values: Sequence[float], value: float) -> bool:
     """Whether a value lies farther outside increasing ones than the widest gap between them."""
     widest = max((b - a for a, b in pairwise(values)), default=0.0)
     return not values[0] - widest <= value <= values[-1] + widest
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, eye_array
 
+from smarig.core import Array
 from smarig.identification.positive.interior_point import NewtonSystem, solve
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.principal_pivoting import solve_by_pivoting
 from smarig.identification.positive.quadratic_programme import RIDGE
 from smarig.identification.positive.triangle import Triangle
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 ACCURACY = 1e-5  # of the interior point, sufficient for comparisons
 ZERO = 1e-8  # of the output's range: a smaller mass counts as zero

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.measured.mass_programme import CellRows, MassProgramme
 from smarig.identification.measured.reading_plan import ReadingPlan
 from smarig.identification.positive.adapted_partition import adapted_nodes
@@ -31,7 +32,6 @@ from smarig.measurement import (
 from smarig.preisach import FodTable, State
 from smarig.replay import memory_states
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 INTERVALS = 30
 SMOOTHINGS = (1e-14, 1e-12, 1e-10)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.identification.measured.left_out_errors import chosen_smoothing, held_out_errors
 from smarig.identification.measured.measured_fit import MeasuredFit, fit_measured, measured_problem
 from smarig.identification.measured.reading_plan import ReadingPlan, reading_plan
@@ -19,7 +20,6 @@ from smarig.measurement import (
     changed,
 )
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 PROMISING, WORTHWHILE = (
     5,
@@ -60,7 +60,7 @@ class MeasuredHypothesis:
     def fitted_rms(self) -> float:
         """Weighted rms error of the same readings in the fit to all of them, in output units."""
         known = np.isfinite(self.errors)
-        return float(np.sqrt(np.mean((self.fit.problem.weight * self.fit.error)[known] ** 2)))
+        return root_mean_square((self.fit.problem.weight * self.fit.error)[known])
 
     @property
     def misfit(self) -> float:

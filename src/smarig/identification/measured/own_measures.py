@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.measured.measured_fit import MeasuredFit, fit_measured, measured_problem
 from smarig.identification.measured.reading_plan import ReadingPlan
 from smarig.measurement import MeasurementEffect, changed, monotone_branches, reversals
 from smarig.preisach import FodTable, Initial, Preisach
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 FEWEST_INTERVALS, MOST_INTERVALS = 30, 75  # of settled readings,
 READINGS_PER_INTERVAL = 2.5  # with fewer, the measure would follow each reading alone

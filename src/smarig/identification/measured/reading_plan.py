@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.measurement import InputRecord, StartingState, reversals, spread_rows, starting_state
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 MOST_READINGS = 600
 FEWEST_PER_BRANCH = 6

@@ -1,12 +1,11 @@
 """Weights of readings under a measured input: the noise of the input counts where the output is steep."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.identification.measured.measured_fit import MeasuredFit
 from smarig.measurement import input_noise_sd, monotone_branches, reversals
 
-Array = NDArray[np.float64]
 MIN_SD_SHARE = 0.006  # of the output's range: no reading counts as more certain
 
 
@@ -20,7 +19,7 @@ def reading_weights(fit: MeasuredFit) -> Array:
     if any(r.readings is not None for r in plan.records):  # settled: all are alike
         return np.ones(len(plan))
     inputs = [(r.u, monotone_branches(r.u, reversals(r.u))) for r in plan.records]
-    scatter = plan.of([np.full(u.size, float(np.sqrt(np.mean((u - m) ** 2)))) for u, m in inputs])
+    scatter = plan.of([np.full(u.size, root_mean_square(u - m)) for u, m in inputs])
     of_output = plan.of([np.full(len(r), input_noise_sd(r.y)) for r in plan.records])
     sigma = np.sqrt((slope * scatter) ** 2 + of_output**2 + (MIN_SD_SHARE * fit.problem.scale) ** 2)
     return (1 / sigma) / float(np.sqrt(np.mean(1 / sigma**2)))

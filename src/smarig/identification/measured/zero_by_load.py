@@ -9,14 +9,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, stored_number
+from smarig.core import Array, DataError, stored_number
 from smarig.measurement import ConditionTable
 from smarig.record import Run
 from smarig.replay import Model, simulate_runs, stress_at_points, stress_of_samples
 
-Array = NDArray[np.float64]
 LEAST_CHANGE_MPA = 1.0
 ZERO_SLOPE = "zero_slope"  # key of the load in the fit of a model
 FEWEST_POINTS = 3

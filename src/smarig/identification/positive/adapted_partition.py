@@ -7,9 +7,9 @@ change along the data, so flat segments stay coarse.
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.positive.observations import Observations
 
-Array = NDArray[np.float64]
 EDGES = 65  # at which the activity is known
 _HALF_TO_WHOLE = 4  # interquartile ranges of a normal density: 99 % of it
 SAME_LEVEL = 1e-4  # of the range: closer levels share one node

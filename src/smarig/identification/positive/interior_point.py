@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, cho_solve_banded, cholesky_banded
 from scipy.sparse import csc_matrix, csr_matrix
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Solve = Callable[[Array], Array]
 MOST_STEPS = 60
 _BACK = 0.995  # of the way to the boundary

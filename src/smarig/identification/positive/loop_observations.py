@@ -13,13 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.positive.observations import COMMON, Observations, joined_observations
 from smarig.identification.steady_loops import SteadyLoop
 
-Array = NDArray[np.float64]
 SignedSweep = tuple[float, Array | float, Array | float]  # sign, and (α, β) of F
 
 

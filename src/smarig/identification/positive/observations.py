@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, hstack, vstack
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.fod_data import FodData
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach import State
 from smarig.record import Run
 from smarig.replay import MemoryHistory, memory_histories
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 COMMON = -1
 MIN_REVERSAL = 0.01  # of the range: smaller reversals do not end a branch

@@ -21,7 +21,7 @@ from scipy.sparse.csgraph import structural_rank
 from scipy.special import ndtri
 from threadpoolctl import threadpool_limits
 
-from smarig.core import DataError, UsageError, spaced
+from smarig.core import Array, DataError, UsageError, root_mean_square, spaced
 from smarig.identification.positive.adapted_partition import active_width, adapted_nodes
 from smarig.identification.positive.held_out_error import HeldOut, held_out_test
 from smarig.identification.positive.interior_point import Solution
@@ -36,7 +36,6 @@ from smarig.identification.positive.smoothing_choice import (
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach import FodTable
 
-Array = NDArray[np.float64]
 INTERVALS, COARSE = 40, 25  # intervals of the fitted triangle, and of the one that chooses λ
 MANY_POINTS, REFINEMENT = 2000, 1.5  # from so many points on, finer cells
 FEWEST_CURVES = 4
@@ -315,7 +314,7 @@ def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
         smoothing=smoothing,
         by_smoothing=posed_problem.by_smoothing,
         sigma=scale * sigma,
-        rms=scale * float(np.sqrt(np.mean(residual**2))),
+        rms=scale * root_mean_square(residual),
         freedom=freedom,
         null_space=problem.rows.get_shape()[1] - int(structural_rank(problem.rows)),
         points=problem.y.size,

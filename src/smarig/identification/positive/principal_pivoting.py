@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Mask = NDArray[np.bool_]
 MOST_EXCHANGES = 30
 MAX_FAILURES = 3  # exchanges of all at once that may fail to reduce the violations

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, eye_array
 
+from smarig.core import Array
 from smarig.identification.positive.interior_point import NewtonSystem, Solution, Solve, solve
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.triangle import Triangle
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 RIDGE = 1e-13  # regularises directions that neither data nor smoothness determine
 _BLOCK = 2000

@@ -13,6 +13,7 @@ standard error of the least error is taken (Breiman et al. 1984, §3.4.3).
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.positive.quadratic_programme import MeasureProblem
 
 Mask = NDArray[np.bool_]
@@ -92,7 +93,7 @@ def _held_out_error(
 
 def _squares(
     problem: MeasureProblem, masks: list[Mask], curve: NDArray[np.int64], smoothing: float
-) -> list[NDArray[np.float64]]:
+) -> list[Array]:
     """Mean square error of each held-out curve, for each fold."""
     squares = []
     for mask in masks:

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix, vstack
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.preisach import FodTable
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 

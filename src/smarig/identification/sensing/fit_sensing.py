@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from smarig.control import (
@@ -26,14 +25,13 @@ from smarig.control import (
     WirePrediction,
     map_terms,
 )
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.interval_estimate import linear_fit
 from smarig.identification.sensing.sensed_run import SensedRun, sensed_run, sensing_actuator
 from smarig.identification.sensing.sensing_errors import SensingErrors, errors_along
 from smarig.record import Run
 from smarig.replay import Model
 
-Array = NDArray[np.float64]
 LEAST_CURRENT = 0.05  # of the largest: a smaller current gives no reading
 FIT_CURRENT = 0.1  # of the largest: readings of the fit
 INPUT_ERROR = 0.02  # of the model's input range, at least: ambient and heat loss of later runs may differ

@@ -3,17 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.calibration.holds import valid_rows
 from smarig.identification.verify import verify
 from smarig.plant import Actuator
 from smarig.preisach import Initial
 from smarig.record import Run
 from smarig.replay import Model, actuator_of, check_output, recorded_start
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.control import PositionObserver, SelfSensing, is_ambiguous
-from smarig.core import UsageError
+from smarig.core import Array, UsageError, root_mean_square
 from smarig.identification.sensing.sensed_run import SensedRun, sensed_run, sensing_actuator
 from smarig.record import Run
 from smarig.replay import Model
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,4 +132,4 @@ def errors_along(model: Model, sensing: SelfSensing, runs: Sequence[SensedRun]) 
 
 
 def _rms(error: Array) -> float | None:
-    return float(np.sqrt(np.mean(error**2))) if error.size else None
+    return root_mean_square(error) if error.size else None

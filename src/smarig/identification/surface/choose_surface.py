@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.fod_data import FodData
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
@@ -22,7 +22,6 @@ from smarig.identification.surface.surface_fit import MajorLoopWeighting, Surfac
 from smarig.identification.surface.surface_kinds import POSITIVE_KIND, kinds_by_freedom, surface_kinds
 from smarig.preisach import FodSurface, FodTable, ForcTable, lattice, surface_forms
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 FittedImage = FodSurface | FodTable | ForcTable
 # Over 25 seeds of the one-wire constant surface, a freer kind was better by at most 7 % by chance.

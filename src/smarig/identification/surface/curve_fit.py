@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.identification.fod_data import DescendingCurve, FodData
 from smarig.preisach import sigmoid
 
-Array = NDArray[np.float64]
 NAMES = ("b1", "b2", "b3", "b4")
 FEWEST_POINTS = 5
 _STEEPEST = 200.0  # upper bound of b₂ times the range

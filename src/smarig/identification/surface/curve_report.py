@@ -12,13 +12,11 @@ also exceed what it moves within one tick.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.identification.fod_data import DescendingCurve, FodData
 from smarig.identification.surface.curve_fit import fit_curves
 
-Array = NDArray[np.float64]
 SIGNIFICANT = 5.0
 _DENSE = 20  # points of a curve whose third differences show its noise
 # The six surfaces of Table 5.1 over their own partitions have an angle of at most 0.23 (two_c). Cut at the

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.identification.density_report import DensityReport
 from smarig.identification.fod_data import FodData
 from smarig.identification.positive.observations import Observations
@@ -15,7 +15,6 @@ from smarig.identification.surface.choose_surface import FEWEST_CURVES
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit
 from smarig.preisach import ForcTable
 
-Array = NDArray[np.float64]
 NEGATIVE_MASS_RATIO = 1.25  # times the held-out error with masses of any sign: more than by chance
 
 

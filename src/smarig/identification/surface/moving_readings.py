@@ -8,12 +8,10 @@ the outputs between those of one tick before and one tick after. A settled point
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.fod_data import FodData
 from smarig.record import Run
-
-Array = NDArray[np.float64]
 
 
 def motion_within_a_tick(runs: Sequence[Run], data: FodData) -> Array:

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc, chndtrinc
 
-from smarig.core import DataError, spaced
+from smarig.core import Array, DataError, root_mean_square, spaced
 from smarig.identification.settled_points import SettledPoints, settled_points
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 ALPHA = 0.01  # probability that a wire with the property fails the test
 UNNOTICED = (
     0.05  # probability that a difference of the size ``hidden`` gives a χ² as small as the observed one
@@ -166,7 +164,7 @@ def _need_pairs(run: Run, name: str, a: SettledPoints, b: SettledPoints) -> None
 def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: Run) -> Representation:
     difference = b.output - a.output
     noise = float(np.hypot(a.noise, b.noise))
-    rms = float(np.sqrt(np.mean(difference**2)))
+    rms = root_mean_square(difference)
     spread = np.hypot(a.uncertainty, b.uncertainty)
     test = difference_test(difference, spread, free_offset=name == "congruency")
     everything = run.points()[1]

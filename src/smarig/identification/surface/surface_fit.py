@@ -13,18 +13,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 
-from smarig.core import DataError, UsageError, spaced, t_quantile
+from smarig.core import Array, DataError, UsageError, spaced, t_quantile
 from smarig.identification.fod_data import FodData
 from smarig.identification.surface.slope_residuals import slope_rows
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
 from smarig.preisach import FodSurface, Parameters, SurfaceForm, surface_form
 
-Array = NDArray[np.float64]
 MajorLoopWeighting = Literal["residual", "square"]
 ROOT_WEIGHT: dict[MajorLoopWeighting, float] = {"residual": 2.0, "square": float(np.sqrt(2.0))}
 REFINED_STARTS = 3

@@ -5,11 +5,10 @@ y = y₋ + D s/S,   D = y₊ − y₋,   s = A(α) [σ(x₄(β + f)) − σ(x₄
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from smarig.core import Array
 from smarig.preisach import FodSurface, sigmoid
-
-Array = NDArray[np.float64]
 
 
 def jacobian(surface: FodSurface, alpha: ArrayLike, beta: ArrayLike) -> Array:

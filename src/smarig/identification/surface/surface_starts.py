@@ -5,12 +5,11 @@ Scales come from the range of the data.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.fod_data import FodData
 from smarig.preisach import FodSurface, Parameters, surface_form
 
-Array = NDArray[np.float64]
 FLATTEST = 1e-6  # a smaller s(u₊, u₊) cannot be scaled to the measured height
 
 

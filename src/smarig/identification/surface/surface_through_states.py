@@ -7,16 +7,14 @@ derivatives are the same sums of the surface's derivatives (``surface_jacobian``
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.identification.positive.observations import COMMON, Observations
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.preisach import FodSurface
 
-Array = NDArray[np.float64]
 MAX_EVALUATIONS = 30
 
 

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.calibration.holds import at_range_end
 from smarig.identification.interval_estimate import Estimate, linear_fit, quantile
 from smarig.identification.sweeps.sweep_record import SweepRecord
 from smarig.preisach import Everett, Preisach
 
-Array = NDArray[np.float64]
 UNDETERMINED = (
     "The steady temperature per squared current R/hA cannot be determined from current and position: a wire with twice "
     "the R/hA and a hysteresis twice as wide in kelvin gives the same record. The model keeps the actuator's value. "

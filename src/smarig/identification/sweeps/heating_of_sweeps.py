@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError, spaced
+from smarig.core import Array, DataError, spaced
 from smarig.identification.calibration.calibrate import calibrated
 from smarig.identification.calibration.resistance import resistances
 from smarig.identification.interval_estimate import Estimate
@@ -22,7 +21,6 @@ from smarig.preisach import Everett
 from smarig.record import Run
 from smarig.replay import ActuatorRecord, Model, memory_histories
 
-Array = NDArray[np.float64]
 INTERVALS = 50  # of the triangle of a positive measure
 _SECTIONS = ("wire", "heating", "transmission")
 

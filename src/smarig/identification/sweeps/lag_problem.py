@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_matrix
 
+from smarig.core import Array
 from smarig.identification.measured.mass_programme import unknowns_of_masses
 from smarig.identification.positive.adapted_partition import nodes_along
 from smarig.identification.positive.observations import COMMON, Observations, joined_observations
 from smarig.identification.positive.triangle import Triangle
 from smarig.identification.sweeps.sweep_record import SweepRecord
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 SMOOTHING = 1e-13
 RIDGE = 1e-13

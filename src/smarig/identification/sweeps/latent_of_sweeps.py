@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from smarig.core import correlation
+from smarig.core import Array, correlation, root_mean_square
 from smarig.identification.calibration.resistance import resistances
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.sweeps.major_branches import MajorBranches
@@ -21,7 +21,6 @@ from smarig.identification.sweeps.score_interval import half_width
 from smarig.identification.sweeps.sweep_heat import SweepHeat, convection_exponent
 from smarig.identification.sweeps.sweep_record import SweepRecord
 
-Array = NDArray[np.float64]
 START_SHARE = 0.15  # of the range: the latent heat at which the search starts
 STEPS = (3e-3, 1e-2)  # of log τ and of the latent heat over the range, relative, for derivatives
 STEP_EXPONENT = 0.05
@@ -78,8 +77,8 @@ def latent_of_sweeps(records: Sequence[SweepRecord], log_tau: float, names: str)
         half_log_tau=halves[0],
         latent=Estimate(kelvin, (kelvin - half_K, kelvin + half_K), "K", source, residual.size),
         heat=replace(heat, latent_K_per_unit=kelvin / motion),
-        rms=float(np.sqrt(np.mean(residual**2))),
-        constant_rms=scale * float(np.sqrt(np.mean(np.asarray(plain.fun) ** 2))),
+        rms=root_mean_square(residual),
+        constant_rms=scale * root_mean_square(np.asarray(plain.fun)),
     )
 
 

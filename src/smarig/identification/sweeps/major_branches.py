@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
+from smarig.core import Array
 from smarig.identification.positive.adapted_partition import nodes_along
 from smarig.identification.sweeps.sweep_heat import SweepHeat
 from smarig.identification.sweeps.sweep_record import SweepRecord
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 KNOTS = 60
 AT_TOP = 0.95  # of the range: a fall from above it starts at the upper end

@@ -13,9 +13,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.interval_estimate import quantile
-
-Array = NDArray[np.float64]
 
 
 def half_width(slope: Array, residual: Array, sweep: NDArray[np.int64]) -> float:

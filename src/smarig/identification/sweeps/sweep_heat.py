@@ -13,11 +13,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.plant import Actuator, free_convection_W_per_m2_K
 
-Array = NDArray[np.float64]
 ROOM_DEGC = 22.0  # the exponent hardly depends on it
 _FLATTEST = 0.01  # of u₀: below it the slope of q is that at this temperature
 

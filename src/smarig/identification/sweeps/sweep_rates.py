@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification.sweeps.sweep_record import SweepRecord
 
-Array = NDArray[np.float64]
 LEVELS = 12  # inputs at which rates are compared
 _MARGIN = 0.1  # of the range: no level is closer to its ends
 _WINDOW = 0.02  # of the range: the rate at a level is the mean over this width

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification.calibration.holds import valid_rows
 from smarig.identification.positive.observations import Observations
 from smarig.identification.sweeps.sweep_heat import SweepHeat, heated_along
@@ -19,7 +19,6 @@ from smarig.preisach import turning_points
 from smarig.record import Run, void_rows
 from smarig.replay import memory_states, recorded_actuator
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 SWEEP_PROTOCOL = "continuous_reversal_curves"
 BLOCK_SHARE = 0.008  # of the input range: a block is at most this wide

@@ -12,10 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import fminbound
 
-from smarig.core import DataError
+from smarig.core import Array, DataError, root_mean_square
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.sweeps.lag_problem import LagProblem
 from smarig.identification.sweeps.latent_of_sweeps import LatentFit, by_power, latent_of_sweeps
@@ -24,7 +23,6 @@ from smarig.identification.sweeps.sweep_heat import SweepHeat
 from smarig.identification.sweeps.sweep_rates import rate_ratio
 from smarig.identification.sweeps.sweep_record import SweepRecord
 
-Array = NDArray[np.float64]
 FACTOR = 4.0  # τ is searched within this factor of the actuator's value
 COARSE, FINE = 20, 50  # intervals of the triangle of the search and of the result
 LEAST_RATE_RATIO = 1.25
@@ -75,7 +73,7 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
             heat = None
     half = half_width(slope, residual, problem.sweep)
     noise = float(np.sqrt(np.mean([r.noise**2 for r in records])))
-    constant_rms = float(np.sqrt(np.mean(residual**2)))
+    constant_rms = root_mean_square(residual)
     latent = _latent(records, log_tau, names) if constant_rms > MISFIT * noise else None
     if latent:
         log_tau, half = latent.log_tau, latent.half_log_tau
@@ -91,7 +89,7 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
     text = f"position in {sweeps} sweeps of {names} at rates of ratio {ratio:.2g}, together with the density"
     return SweptTau(
         tau=Estimate(tau, (tau * math.exp(-half), tau * math.exp(half)), "s", text, residual.size),
-        rms=float(np.sqrt(np.mean(residual**2))),
+        rms=root_mean_square(residual),
         noise=noise,
         blocks=residual.size,
         sweeps=sweeps,

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.measurement.input_record import InputRecord, input_noise_sd, reversals
 from smarig.measurement.loop_direction import width_of_leading_loops
 from smarig.measurement.measurement_effect import (
@@ -20,7 +20,6 @@ from smarig.measurement.measurement_effect import (
     Values,
 )
 
-Array = NDArray[np.float64]
 SMOOTHED_SHARE = 0.25  # of the lag: standard deviation of the smoothing
 MAX_CYCLE_SHARE = 0.25  # of a cycle: a longer lag is no lag
 LAGS_PER_DECADE = 5

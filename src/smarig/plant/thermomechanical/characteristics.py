@@ -10,9 +10,9 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.plant.thermomechanical.kinetics import AUSTENITE, TWINNED_MARTENSITE, Phase, transformed
 from smarig.plant.thermomechanical.material import Material
 from smarig.plant.thermomechanical.monotone_root import increasing_root
@@ -23,7 +23,7 @@ SAFETY, TOLERANCE_MPA = 0.9, 1e-9
 
 def isothermal_loop(
     material: Material, temperature_degC: float, strains: ArrayLike, start: Phase | None = None
-) -> NDArray[np.float64]:
+) -> Array:
     """Stress (n,) in MPa at each strain (n,) of a slow tensile test at constant temperature.
 
     Strain is monotone between two values. ``start``: the phase without stress; None: austenite from M_s on, below it
@@ -55,7 +55,7 @@ def isothermal_loop(
 
 def isobaric_loop(
     material: Material, stress_MPa: float, temperatures_degC: ArrayLike, start: Phase | None = None
-) -> NDArray[np.float64]:
+) -> Array:
     """Strain (n,) at each temperature (n,) of a wire under constant stress, loaded at the first temperature.
 
     Temperature is monotone between two values; ``start`` as in ``isothermal_loop``.
@@ -75,7 +75,7 @@ def isobaric_loop(
 
 def antagonist_path(
     material: Material, pre_strain: float, temperatures_degC: ArrayLike, load_MPa: float = 0.0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """Smaller stress (n,) in MPa of two equal wires, and their strains (n, 2), at each pair of temperatures (n, 2).
 
         σ₁ − σ₂ = load,      ε₁(σ₁) + ε₂(σ₂) = 2 ε_p

@@ -9,12 +9,10 @@ other alone carries the torque and gives the angle.
 import math
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from smarig.config import ActuatorFile
+from smarig.core import Array
 
-Strain = TypeVar("Strain", float, NDArray[np.float64])
+Strain = TypeVar("Strain", float, Array)
 
 
 def load_MPa_of(file: ActuatorFile) -> float:

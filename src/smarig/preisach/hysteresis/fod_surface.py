@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.hysteresis.surface_form import SurfaceForm, surface_form
 from smarig.preisach.kernel import INPUTS_AS_KEYS, KeyedEverett, input_as_keys, inputs_as_keys
-
-Array = NDArray[np.float64]
 
 
 def sigmoid(z: ArrayLike) -> Array:

@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import NOT_NUMBERS, DataError
+from smarig.core import NOT_NUMBERS, Array, DataError
 from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.kernel import CompiledKeys, KeyedEverett
 
-Array = NDArray[np.float64]
 Cells = NDArray[np.intp]
 
 

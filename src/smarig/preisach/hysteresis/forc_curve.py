@@ -8,11 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 
-Array = NDArray[np.float64]
 Line = tuple[Array, Array]
 
 

@@ -24,11 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.hysteresis.forc_curve import ForcCurve, Line, completed_curves, saturation
-
-Array = NDArray[np.float64]
 
 
 class ValueAndSlopes(NamedTuple):

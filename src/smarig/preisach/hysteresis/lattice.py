@@ -3,14 +3,14 @@
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
 
 
 @singledispatch
-def lattice(hysteresis: Everett, cells: int) -> NDArray[np.float64]:
+def lattice(hysteresis: Everett, cells: int) -> Array:
     """Rising inputs from u₋ to u₊: the nodes of a FOD table, or else ``cells`` + 1 evenly spaced ones.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
@@ -21,6 +21,6 @@ def lattice(hysteresis: Everett, cells: int) -> NDArray[np.float64]:
 
 
 @lattice.register
-def _lattice_of_table(hysteresis: FodTable, cells: int) -> NDArray[np.float64]:
+def _lattice_of_table(hysteresis: FodTable, cells: int) -> Array:
     del cells
     return hysteresis.nodes

@@ -9,9 +9,9 @@ from functools import singledispatch
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach.everett import Differentiable, Everett, from_diagonal
 
 
@@ -40,25 +40,25 @@ class Mirrored:
         """F(α, β) = F̃(−β, −α)."""
         return self.image.everett(-beta, -alpha)
 
-    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """F(α, β) for arrays."""
         return self.image.swept(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
 
     @property
-    def steps(self) -> NDArray[np.float64]:
+    def steps(self) -> Array:
         """Inputs at which F jumps, if any: the reflected thresholds of the image."""
         return -np.asarray(getattr(self.image, "steps", ()))[::-1]
 
     @property
-    def kinks(self) -> NDArray[np.float64]:
+    def kinks(self) -> Array:
         """Inputs at which slopes jump: the reflected kinks of the image."""
         return -np.asarray(getattr(self.image, "kinks", ()))[::-1]
 
-    def strip_alpha(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+    def strip_alpha(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """∂F/∂α: the strip that a fall of the image sweeps. Available only if the image has slopes."""
         return self._slopes.strip_beta(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
 
-    def strip_beta(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+    def strip_beta(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """∂y/∂β: the strip that a rise of the image sweeps. Available only if the image has slopes."""
         return self._slopes.strip_alpha(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
 
@@ -68,7 +68,7 @@ class Mirrored:
             raise UsageError(f"{type(self.image).__name__} has no slopes, so its mirror image has none.")
         return cast(Differentiable, self.image)
 
-    def from_diagonal(self, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def from_diagonal(self, centre: float, u: Array) -> Array:
         """Signed output change from B_ℓ to each input: the reflected change of the image from B_−ℓ."""
         return -from_diagonal(self.image, -centre, -u)
 

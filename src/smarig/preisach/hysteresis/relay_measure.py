@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import NOT_NUMBERS, DataError
+from smarig.core import NOT_NUMBERS, Array, DataError
 from smarig.preisach.kernel import CompiledKeys, KeyedEverett
 
-Array = NDArray[np.float64]
 _LARGEST = 1e100
 
 

@@ -8,12 +8,8 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from smarig.core import Array, UsageError, catalogue_entry, catalogue_names, own_entries, plugin_hint, shown
 
-from smarig.core import UsageError, catalogue_entry, catalogue_names, own_entries, plugin_hint, shown
-
-Array = NDArray[np.float64]
 Parameters = tuple[float, ...]
 FORMS = "smarig.preisach.hysteresis.forms"
 _COMMON_POWERS = {"x2": -1, "x3": 1, "x4": -1}

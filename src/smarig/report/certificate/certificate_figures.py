@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.certify import ModelCertificate
 from smarig.control import Psi
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.identification import DensityReport, density_report
 from smarig.replay import Model
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
@@ -16,8 +15,6 @@ from smarig.report.components.run_description import display_unit
 from smarig.report.components.style import INK, MODEL
 from smarig.report.models.density_figures import map_panel, per_square
 from smarig.report.models.identification_plot_data import density_of
-
-Array = NDArray[np.float64]
 
 
 def certificate_figure(model: Model, found: ModelCertificate, origin: str, label: str) -> Figure:

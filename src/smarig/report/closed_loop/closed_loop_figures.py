@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.control import SETTLING_BAND_COUNTS
+from smarig.core import Array
 from smarig.record import Run
 from smarig.report.closed_loop.closed_loop_text import size as size_of
 from smarig.report.closed_loop.loop_result import LoopSegment, RegulationResult, TrackingResult
@@ -27,7 +28,6 @@ from smarig.report.components.style import CURRENT, GREY, INK, POSITION, TEMPERA
 from smarig.report.runs.hysteresis_figure import direction_traces
 from smarig.report.runs.time_figures import time_unit
 
-Array = NDArray[np.float64]
 ROWS = ("y", "y2", "y3", "y4", "y5")
 _SHARES = (0.34, 0.26, 0.18, 0.22)  # of the height, from above
 _MIN_HALF_RANGE_COUNTS, _QUANTILE_FACTOR = (

@@ -6,11 +6,10 @@ A single reading would be count noise, or an arbitrary phase of a limit cycle.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.control import SETTLED_FOR_S, SETTLING_BAND_COUNTS
+from smarig.core import Array, root_mean_square
 
-Array = NDArray[np.float64]
 LAST_S = 60.0  # or the last quarter, if that is shorter
 MOVES_COUNTS = 1.0  # rms about the mean: twice that of rounding to counts and encoder noise
 _CROSSING_SHARE = 0.9  # of the rms: a crossing of the mean must reach this far to the other side
@@ -60,7 +59,7 @@ def hold_end(
         return None
     e, i = error[last], current_A[last]
     deviation = e - e.mean()
-    std = float(np.sqrt(np.mean(deviation**2)))
+    std = root_mean_square(deviation)
     side = np.sign(deviation[np.abs(deviation) > _CROSSING_SHARE * std])
     return HoldEnd(
         mean=float(e.mean()),

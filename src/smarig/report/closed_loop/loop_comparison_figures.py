@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.control import SETTLING_BAND_COUNTS, BoundaryPlane
+from smarig.core import Array
 from smarig.report.closed_loop.closed_loop_figures import (
     ROWS,
     clipped_text,
@@ -24,8 +24,6 @@ from smarig.report.components.run_description import display_unit, input_title, 
 from smarig.report.components.style import COMPARED, DASHES, GREY, INK
 from smarig.report.runs.run_comparison_figures import runs_caption
 from smarig.report.runs.time_figures import time_unit
-
-Array = NDArray[np.float64]
 
 
 def tracking_overlay_figure(loops: Sequence[ComparedTracking]) -> Figure | None:

@@ -24,7 +24,7 @@ from smarig.control import (
     tracking_performance,
 )
 from smarig.control import SETPOINT_LOOP_CLOSED as REGULATED
-from smarig.core import DataError, SmarigError
+from smarig.core import Array, DataError, SmarigError
 from smarig.record import Event, Run
 from smarig.replay import recorded_actuator
 from smarig.report.closed_loop.hold_end import HoldEnd, hold_end
@@ -32,7 +32,6 @@ from smarig.report.closed_loop.observed_position import ObservedPosition, observ
 from smarig.report.closed_loop.velocity_result import VelocityResult
 from smarig.report.components.run_description import count_size
 
-Array = NDArray[np.float64]
 SKIP_S = 20.0  # the approach to the first point of a moving reference is not tracking
 
 

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.control import OBSERVED
+from smarig.core import Array, root_mean_square
 from smarig.record import Run
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +35,13 @@ class ObservedPosition:
         return {
             "n": int(known.sum()),
             "ambiguous": float(np.mean(self.ambiguous)),
-            "observer_rms": _rms(miss[known]),
+            "observer_rms": root_mean_square(miss[known]),
             "observer_max": float(np.abs(miss[known]).max()),
             "coverage_95": float(np.mean(np.abs(miss[known]) <= self.half[known])),
             "median_half": float(np.median(self.half)),
-            "error_rms": _rms((self.encoder - self.wanted)[known]),
+            "error_rms": root_mean_square((self.encoder - self.wanted)[known]),
             "steady_error": float(np.mean((self.encoder - self.wanted)[late])),
-            "observed_error_rms": _rms((self.position - self.wanted)[known]),
+            "observed_error_rms": root_mean_square((self.position - self.wanted)[known]),
         }
 
 
@@ -78,7 +77,3 @@ def observed_text(found: ObservedPosition, unit: str) -> str:
         f"rms {f['observed_error_rms']:.3g} {unit}. "
         f"{ambiguous}"
     )
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

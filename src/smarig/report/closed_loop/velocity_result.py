@@ -5,13 +5,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.certify import Hypothesis, failing
 from smarig.control import Reference, VelocityFilter, running_ratio
+from smarig.core import Array
 from smarig.report.components.numbers import number
 
-Array = NDArray[np.float64]
 MEASURED_KEYS = ("ratio", "raw_ratio", "rest_ratio", "bound_share", "clipped_share", "k_e")
 RATIO = "‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖)"
 

@@ -5,12 +5,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
+
 POINTS = 1600  # a trace stays under 3000 points
 _CONSIDERED = 8  # times the points of a path: of more, only extremes are considered
 _UNSEEN = 5e-4  # of the ranges: a third of a pixel
 
 
-def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:
+def envelope(values: Array, points: int = POINTS) -> NDArray[np.intp]:
     """Indices (≤ points, increasing) of the minimum and maximum of every bucket, and of both ends.
 
     NaN is kept only if a bucket contains nothing else, so that gaps remain gaps.
@@ -28,14 +30,14 @@ def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.in
     return np.union1d(lowest, highest)
 
 
-def _first_minima(values: NDArray[np.float64], edges: NDArray[np.intp]) -> NDArray[np.intp]:
+def _first_minima(values: Array, edges: NDArray[np.intp]) -> NDArray[np.intp]:
     """The index of the first minimum of every bucket between two edges."""
     least = np.minimum.reduceat(values, edges[:-1])
     equal = np.flatnonzero(values == np.repeat(least, np.diff(edges)))
     return equal[np.searchsorted(equal, edges[:-1])]
 
 
-def path(u: NDArray[np.float64], y: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:
+def path(u: Array, y: Array, points: int = POINTS) -> NDArray[np.intp]:
     """Indices (≤ points, increasing) that thin a curve (u, y) to one that a drawing hardly tells from it.
 
     Very long curves are first thinned to the envelopes of both coordinates. Gaps (NaN) remain gaps.
@@ -47,9 +49,7 @@ def path(u: NDArray[np.float64], y: NDArray[np.float64], points: int = POINTS) -
     return kept[simplified(u[kept], y[kept], _UNSEEN, points)]
 
 
-def simplified(
-    u: NDArray[np.float64], y: NDArray[np.float64], tolerance: float, most: int
-) -> NDArray[np.intp]:
+def simplified(u: Array, y: Array, tolerance: float, most: int) -> NDArray[np.intp]:
     """Indices (≤ most, increasing) of a path through the points that stays within ``tolerance`` of all others.
 
     The tolerance is a share of the ranges; it is raised until at most ``most`` points remain (Douglas & Peucker 1973).
@@ -71,7 +71,7 @@ def simplified(
         tolerance *= 1.5
 
 
-def _within(points: NDArray[np.float64], tolerance: float) -> NDArray[np.intp]:
+def _within(points: Array, tolerance: float) -> NDArray[np.intp]:
     """Indices of the path; all segments of one depth are divided at once, each at its farthest point."""
     kept = np.zeros(len(points), dtype=bool)
     kept[[0, -1]] = True
@@ -99,9 +99,7 @@ def _within(points: NDArray[np.float64], tolerance: float) -> NDArray[np.intp]:
         starts, ends = starts[order], ends[order]
 
 
-def _distances(
-    points: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _distances(points: Array, a: Array, b: Array) -> Array:
     """Distances (n,) of points (n, 2) from the segments between a and b (n, 2)."""
     along = b - a
     square = np.sum(along**2, axis=1)

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from smarig.core import Array
 from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
 
@@ -153,7 +154,7 @@ def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
     return spec
 
 
-def unpacked(spec: Mapping[str, str]) -> NDArray[np.float64]:
+def unpacked(spec: Mapping[str, str]) -> Array:
     """The array of a typed-array specification.
 
     >>> unpacked(packed([[1.0, 2.0]])).tolist()

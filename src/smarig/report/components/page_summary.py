@@ -10,12 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import UsageError, opened_file
+from smarig.core import Array, UsageError, opened_file
 from smarig.report.components.html import Html, joined, plain, tag
 
-Array = NDArray[np.float64]
 LEVELS = ("good", "warning", "bad")
 _HEAD_BYTES = 60_000
 _META = re.compile(r'<meta name="(smarig-[a-z]+|description|generator)" content="([^"]*)">')

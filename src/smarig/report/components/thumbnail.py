@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.report.components.html import Html, escaped, joined, tag
 from smarig.report.components.numbers import number
 from smarig.report.components.style import COOLING, FAINT, HEATING, INK
 
-Array = NDArray[np.float64]
 WIDTH_PX, HEIGHT_PX = 220, 150
 _TEXT = "#4b5563"
 _LARGEST = 1e12

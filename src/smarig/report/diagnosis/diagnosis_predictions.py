@@ -4,16 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis import CommandedDiagnosis, memory_covariance, memory_slopes
 from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, ReadingSeries, Timeline, plant_model_of, predict
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import protocol_name
 from smarig.report.components.style import INK, MODEL
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +56,14 @@ def rms_noise(d: CommandedDiagnosis, kind: str) -> tuple[float, float]:
         before += len(r)
     here = slice(before, before + len(readings(d.timeline, kind)))
     if kind not in OUTPUT_DEPENDENT_KINDS:
-        own = rms(fitted.scale[here])
+        own = root_mean_square(fitted.scale[here])
         return own, own
     J, times = memory_slopes(model.plant_model.hysteresis, model.prediction)
     share = (
         np.diag(memory_covariance(J, times, fitted.noise.correlation_s))[here]
         * model.prediction.output_slope[here] ** 2
     )
-    own = rms(fitted.noise.white[here])
+    own = root_mean_square(fitted.noise.white[here])
     return own, float(np.hypot(own, fitted.noise.temperature_K * np.sqrt(share.mean())))
 
 
@@ -93,8 +91,3 @@ def diagnosis_caption(d: CommandedDiagnosis, *, dotted: bool = False) -> tuple[s
         + ("; dotted lines: starts of runs)" if dotted and len(d.timeline.runs) > 1 else ")"),
     ]
     return ("; ".join(part for part in parts if part) + ".",)
-
-
-def rms(values: ArrayLike, weight: Array | None = None) -> float:
-    """Root of the mean square, weighted if weights are given."""
-    return float(np.sqrt(np.average(np.asarray(values, dtype=float) ** 2, weights=weight)))

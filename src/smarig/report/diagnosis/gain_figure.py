@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis import AT_FLOOR, PREDICTION_LIMIT, CommandedDiagnosis, HeldOutGain, share_text
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
-from smarig.report.diagnosis.diagnosis_predictions import Array, rms
 from smarig.report.runs.representation_figure import noise_band
 
 _ModelErrors = Sequence[tuple[str, str, Array]]  # name, colour, errors
@@ -96,7 +96,7 @@ def _block_rms(gain: HeldOutGain, error: Array) -> Array:
     """Rms of each block, with the weights of the readings."""
     block = _blocks(gain)
     weight = np.ones(error.size) if gain.weight is None else gain.weight
-    return np.array([rms(error[block == b], weight[block == b]) for b in np.unique(block)])
+    return np.array([root_mean_square(error[block == b], weight[block == b]) for b in np.unique(block)])
 
 
 def _error_trace(gain: HeldOutGain, x: Array, error: Array, name: str, colour: str) -> Iterator[Trace]:

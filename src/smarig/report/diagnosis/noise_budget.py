@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
+from smarig.core import root_mean_square
 from smarig.diagnosis import MIN_COUNT_SD, POINT_NOISE, WIRE_NOISE, CommandedDiagnosis, NoiseEstimate
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import number
@@ -71,7 +70,7 @@ def _counts_text(value: float, size: float, unit: str) -> str:
 
 
 def _effect_of_wire_noise(d: CommandedDiagnosis, noises: list[NoiseEstimate]) -> list[float]:
-    slope = float(np.sqrt(np.mean(input_slopes(d) ** 2)))
+    slope = root_mean_square(input_slopes(d))
     return [n.temperature_K * slope for n in noises]
 
 

@@ -5,13 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from smarig.core import Array
 from smarig.diagnosis import CommandedDiagnosis, DriveStatistics
 from smarig.replay import Timeline
 from smarig.report.components.figure import AXIS_MARGIN, axis
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import display_unit
 from smarig.report.components.style import GREY
-from smarig.report.diagnosis.diagnosis_predictions import Array, readings
+from smarig.report.diagnosis.diagnosis_predictions import readings
 
 _FINER_RATIO = 4  # ratio from which the smaller residuals would be a flat line on the axis of the larger ones
 

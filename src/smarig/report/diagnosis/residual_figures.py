@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from smarig.core import root_mean_square
 from smarig.diagnosis import WIRE_NOISE, CommandedDiagnosis
 from smarig.replay import OUTPUT_DEPENDENT_KINDS
 from smarig.report.components.figure import Figure, Panel, Trace, dots, line
@@ -15,7 +16,6 @@ from smarig.report.diagnosis.diagnosis_predictions import (
     diagnosis_caption,
     models_text,
     readings,
-    rms,
     rms_noise,
 )
 from smarig.report.diagnosis.residual_axes import (
@@ -85,7 +85,7 @@ def _residual_channel_figure(
         if whole > _WIRE_NOISE_RATIO * own
         else f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms)."
     )
-    sizes = " → ".join(number(rms(e)) for e in errors)
+    sizes = " → ".join(number(root_mean_square(e)) for e in errors)
     return Figure(
         panels,
         title,

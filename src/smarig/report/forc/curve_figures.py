@@ -1,9 +1,8 @@
 """Line figures of first-order curves: the curves, profiles through the peak, smoothing, central ridge, and drift."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.exchange import DriftDecision
 from smarig.identification import SIGNIFICANT, CentralRidge
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, log_axis
@@ -14,7 +13,6 @@ from smarig.report.components.style import COMPARED, GREY, INK, MODEL, colours
 from smarig.report.forc.forc_evidence import ForcEvidence
 from smarig.report.models.density_figures import per_square, readable_scale
 
-Array = NDArray[np.float64]
 _MOST_CURVES = 60
 _BAND = "rgba(0,114,178,.18)"
 _ORDINAL_DEGREES = {2: "quadratic", 4: "quartic"}

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 from scipy.ndimage import label
 
-from smarig.core import number_from_text
+from smarig.core import Array, number_from_text
 from smarig.identification import SIGNIFICANT, ForcDiagram
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.components.numbers import number
@@ -16,7 +16,6 @@ from smarig.report.components.style import DIVERGING, INK, SEQUENCE
 from smarig.report.forc.forc_evidence import ForcEvidence
 from smarig.report.models.density_figures import per_square, readable_scale
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _SHARES = (-0.5, -0.2, 0.1, 0.2, 0.4, 0.6, 0.8)  # of the largest density, at the contours
 _PLANE_PLACES = 120

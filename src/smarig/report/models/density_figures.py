@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.identification import DensityReport, Identification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
@@ -19,8 +18,6 @@ from smarig.report.models.identification_plot_data import (
     reversible,
 )
 from smarig.report.models.surface_figure import SURFACE_MIN_PX, buttons, scene, surface_trace
-
-Array = NDArray[np.float64]
 
 
 def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:

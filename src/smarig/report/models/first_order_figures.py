@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smarig.core import spaced
+from smarig.core import root_mean_square, spaced
 from smarig.identification import POSITIVE_KIND, Identification, fit_curves
 from smarig.preisach import surface_forms
 from smarig.record import Run
@@ -97,7 +97,7 @@ def _interval_band(found: Identification, curve: FirstOrderCurve, colour: str) -
 
 def _curve_rms(found: Identification) -> float:
     """The rms over the points of the curves; a positive measure is fitted to further points."""
-    return float(np.sqrt(np.mean(residuals(found)[2] ** 2)))
+    return root_mean_square(residuals(found)[2])
 
 
 def _point_trace(curve: FirstOrderCurve, colour: str, run: Run) -> Trace:

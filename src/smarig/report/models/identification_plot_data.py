@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification import DensityReport, FittedImage, Identification, density_report
 from smarig.measurement import Start
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, Preisach, lattice
 
-Array = NDArray[np.float64]
 _MAP_CELLS = 40
 
 

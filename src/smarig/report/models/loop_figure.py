@@ -1,9 +1,8 @@
 """The main figure of a characterisation: measured loops with the model, and its errors on held-out data."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, root_mean_square, spaced
 from smarig.identification import RunVerification
 from smarig.record import Run
 from smarig.replay import recorded_start
@@ -38,7 +37,7 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
         words += f" Second panel: measured − model on the held-out run, rms {verification.settled.rms:.3g}"
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
         if extended is not None:
-            rms = float(np.sqrt(np.mean(extended**2)))
+            rms = root_mean_square(extended)
             words += f" Pink: the extended model of the diagnosis, rms {rms:.3g}{spaced(run.unit)}."
         if _drifts(verification, run):
             words += " The errors are drawn over time, with which they change."
@@ -72,7 +71,7 @@ def _held_out(e: Evidence) -> tuple[RunVerification, Run] | None:
     return None
 
 
-def _extended_errors(e: Evidence, found: RunVerification) -> NDArray[np.float64] | None:
+def _extended_errors(e: Evidence, found: RunVerification) -> Array | None:
     """Measured − model of the extended model at the same points; None without one, or if it counts other points."""
     d, chosen = e.diagnosis, e.verifications[e.chosen]
     if d is None or not d.extended or d.gain is None or d.gain.settled is None or len(chosen.runs) != 1:
@@ -92,9 +91,7 @@ def _drifts(found: RunVerification, run: Run) -> bool:
     return float(np.var(rest)) < (1 - _DRIFT_SHARE) * float(np.var(error))
 
 
-def _error_panel(
-    found: RunVerification, run: Run, chosen: str, extended: NDArray[np.float64] | None
-) -> Panel:
+def _error_panel(found: RunVerification, run: Run, chosen: str, extended: Array | None) -> Panel:
     """Errors against the input; over time if they drift."""
     error = np.where(found.counted, found.measured - found.predicted, np.nan)
     x, title = found.input, input_title(run)

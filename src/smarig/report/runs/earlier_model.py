@@ -2,9 +2,7 @@
 
 from pathlib import Path
 
-import numpy as np
-
-from smarig.core import SmarigError, spaced
+from smarig.core import SmarigError, root_mean_square, spaced
 from smarig.identification import RunVerification, verify
 from smarig.record import Run
 from smarig.report.components.numbers import number
@@ -43,4 +41,4 @@ def _verified(model: Path, run: Run) -> RunVerification | None:
 def _rms_with_zero_of(own: RunVerification, other: RunVerification) -> float:
     """The rms error of another run whose zero is that of the model's own run: its fitted offset would hide a change."""
     error = other.measured - other.predicted + other.offset - own.offset
-    return float(np.sqrt(np.mean(error[other.counted] ** 2)))
+    return root_mean_square(error[other.counted])

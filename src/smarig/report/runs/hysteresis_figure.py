@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.components.decimate import path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
@@ -25,7 +25,6 @@ from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
 from smarig.report.runs.record_gaps import drawn, ends_of_parts, uninterrupted_parts
 from smarig.report.runs.sample_path import sample_path
 
-Array = NDArray[np.float64]
 _GROUPS = 8  # number of distinguishable colours
 _MOST = 200  # largest number of settled points with a mark each
 _SHORTEST_SWEEP = 0.3  # of the ranges: shorter sweeps have no arrow

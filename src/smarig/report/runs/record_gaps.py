@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.record import Run
 
 _WITHOUT_GAP = 1.5  # ticks between two samples: one, however it is rounded
@@ -35,6 +36,6 @@ def broken_at_gaps(rows: NDArray[np.intp], part: NDArray[np.intp]) -> NDArray[np
     return np.insert(rows, np.flatnonzero(np.diff(part[rows])) + 1, -1)
 
 
-def drawn(values: NDArray[np.float64], rows: NDArray[np.intp]) -> NDArray[np.float64]:
+def drawn(values: Array, rows: NDArray[np.intp]) -> Array:
     """The values at these rows, NaN where the row is −1."""
     return np.where(rows >= 0, values[rows], np.nan)

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import NotToml, UsageError, parsed_toml
+from smarig.core import Array, NotToml, UsageError, parsed_toml, root_mean_square
 from smarig.identification import noise_floor
 from smarig.record import Run
 from smarig.replay import provenance, recorded_start, share_zero
 
-Array = NDArray[np.float64]
 ZERO_COUNTS = 2.0  # counts: two zeros of the same state of a wire differ by less, by rounding and noise
 _SAME = 1e-6  # of the input's range: tolerance of equal targets
 
@@ -45,7 +43,7 @@ class AlignedRun:
     @property
     def rms(self) -> float:
         """Root of the mean squared difference; NaN without common points."""
-        return float(np.sqrt(np.mean(self.difference**2))) if self.difference.size else float("nan")
+        return root_mean_square(self.difference) if self.difference.size else float("nan")
 
     @property
     def max_abs(self) -> float:

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.identification import ErrorLevel, error_verdict
 from smarig.report.runs.run_alignment import AlignedRun
 
-Array = NDArray[np.float64]
 _FEWEST = 8  # common points for a fit of shift and stroke
 _CLEAR = 3.0  # standard errors
 _EXPLAINED = 0.5  # of the squared difference

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.record import AnyRun
 from smarig.report.components.decimate import simplified
 from smarig.report.components.html import Html
@@ -29,7 +28,6 @@ from smarig.report.components.run_description import (
 from smarig.report.components.thumbnail import Frame, frame_of, thumbnail
 from smarig.report.runs.sample_path import sample_path
 
-Array = NDArray[np.float64]
 _POINTS = 400  # per loop, a few kilobytes
 _TOLERANCE = 0.004  # of the ranges: less than a pixel
 

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.report.components.decimate import envelope
 
 _SHORTEST_STEP = 0.008  # of the range: samples that moved less are left out
@@ -10,7 +11,7 @@ _COUNTS = 1.6  # of the output: less is the resolution of its readings
 _MOST_SAMPLES = 400_000  # that are looked at one by one: of longer runs, extremes of a few neighbours each
 
 
-def sample_path(u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0.0) -> NDArray[np.intp]:
+def sample_path(u: Array, y: Array, count: float = 0.0) -> NDArray[np.intp]:
     """Indices (k,) of samples along the path (u, y), (n,) each: known ones that moved since the last one kept.
 
     Holds become single points. The extremes of the output are kept. Motion below the resolution of the output,

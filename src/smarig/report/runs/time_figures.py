@@ -3,9 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import Quality, SmarigError
+from smarig.core import Array, Quality, SmarigError
 from smarig.record import Run
 from smarig.replay import recorded_actuator
 from smarig.report.components.decimate import POINTS, envelope
@@ -22,7 +21,6 @@ from smarig.report.components.run_description import (
 from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TEMPERATURE
 from smarig.report.runs.record_gaps import broken_at_gaps, drawn, ends_of_parts, uninterrupted_parts
 
-Array = NDArray[np.float64]
 _ROWS = (
     ("current_A", "Current (A)", CURRENT),
     ("current_command_A", "Commanded current (A)", CURRENT),

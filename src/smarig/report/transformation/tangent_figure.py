@@ -3,9 +3,8 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import spaced
+from smarig.core import Array, spaced
 from smarig.report.components.decimate import path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.run_description import (
@@ -18,7 +17,6 @@ from smarig.report.components.run_description import (
 from smarig.report.components.style import COOLING, FAINT, GREY, HEATING, INK
 from smarig.transformation import CORNERS, TEMPERATURES, BranchTangents, CycleFigures, RunFigures
 
-Array = NDArray[np.float64]
 Gap = tuple[float, float]
 _BEYOND = 0.12  # of its length: how far a tangent is drawn beyond its corners
 _MOST_BEHIND = 4000  # readings of the other cycles, thinned

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.core import (
+    Array,
     Command,
     DataError,
     Drive,
@@ -23,7 +23,6 @@ from smarig.core import (
 )
 from smarig.record import Run, Step
 
-Array = NDArray[np.float64]
 MAX_MAGNITUDE = 2.0**52  # of numbers that are exact integers
 _TOLERANCE = 1e-9  # A, K: currents and targets that differ only by rounding
 

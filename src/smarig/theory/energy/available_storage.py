@@ -17,13 +17,12 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach import Everett, Initial, RelayMeasure, State
 from smarig.theory.energy.dissipation import initial_state
 from smarig.theory.energy.moments import breaks, moments_on, rounding
 from smarig.theory.energy.sweep_work import MovingBoundary, work_of_segments
 
-Array = NDArray[np.float64]
 _MAX_LEVELS = 2000  # n² situations of some hundred bytes each
 
 

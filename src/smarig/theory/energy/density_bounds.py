@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import FodSurface, Interval, shift_bounds, sigmoid
 
-Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
 
 

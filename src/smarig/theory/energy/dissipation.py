@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import DataError, UsageError
+from smarig.core import Array, DataError, UsageError
 from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.theory.energy.moments import rounding
 from smarig.theory.energy.sweep_work import MovingBoundary, SweepSegment, work, work_of_segments
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,13 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import FodSurface, FodTable
 from smarig.theory.energy.density_bounds import DensityCells, density_bounds
 from smarig.theory.energy.moments import areas_on
-
-Array = NDArray[np.float64]
 
 
 class AreaBound(NamedTuple):

@@ -18,10 +18,9 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import NOT_NUMBERS, UsageError
+from smarig.core import NOT_NUMBERS, Array, UsageError
 from smarig.preisach import Everett, Mirrored, RelayMeasure
 
-Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _PANELS = 24  # panels over a smooth surface's range: 12 nodes on each are exact to rounding for every Table 5.1 surface
 

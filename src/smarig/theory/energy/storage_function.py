@@ -14,14 +14,11 @@ from functools import singledispatch
 from numbers import Integral
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.core import UsageError
 from smarig.preisach import Everett, FodSurface, RelayMeasure, sigmoid
 from smarig.theory.energy.density_bounds import DensityCells
 from smarig.theory.energy.moments import breaks, moments_on
-
-Array = NDArray[np.float64]
 
 
 @singledispatch

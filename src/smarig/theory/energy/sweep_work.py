@@ -15,10 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett, State
 from smarig.theory.energy.moments import breaks, integral
-
-Array = NDArray[np.float64]
 
 
 class SweepSegment(NamedTuple):

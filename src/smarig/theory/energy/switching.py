@@ -9,9 +9,9 @@ returns all the work. Work has units of output times input.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from smarig.core import Array
 
 
 def work_up(mu: ArrayLike, alpha: ArrayLike) -> Array:

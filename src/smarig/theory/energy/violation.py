@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import NOT_NUMBERS, UsageError
+from smarig.core import NOT_NUMBERS, Array, UsageError
 from smarig.preisach import Everett, Initial, Preisach
 from smarig.theory.energy.moments import breaks
 
-Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _MAX_CYCLES = 200_000
 _CYCLES_PER_CALL = 1000

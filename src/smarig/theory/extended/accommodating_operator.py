@@ -19,14 +19,11 @@ the classical model bit for bit. Neither wiping-out nor congruency holds.
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.theory.extended.operator_base import simulate_steps
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,13 +18,11 @@ from functools import singledispatch
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.core import UsageError
 from smarig.preisach import Everett, Initial, RelayMeasure, input_number, lattice
 from smarig.theory.extended.operator_base import ExtendedOperator
 
-Array = NDArray[np.float64]
 _CELLS = 256
 _ROUNDING: Any = 9e-16  # the smallest tolerance that brentq accepts
 

@@ -17,11 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import NOT_NUMBERS, DataError
+from smarig.core import NOT_NUMBERS, Array, DataError
 from smarig.preisach import Everett, Initial
 from smarig.theory.extended.operator_base import ExtendedOperator, corners
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,12 +4,10 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach import Everett, Initial, Preisach, State, input_array
-
-Array = NDArray[np.float64]
 
 
 class SteppedOperator(Protocol):

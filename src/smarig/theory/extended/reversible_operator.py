@@ -10,13 +10,11 @@ r has no memory, so wiping-out and congruency still hold. It may change where Γ
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import NOT_NUMBERS, DataError
+from smarig.core import NOT_NUMBERS, Array, DataError
 from smarig.preisach import Everett, Initial
 from smarig.theory.extended.operator_base import ExtendedOperator
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

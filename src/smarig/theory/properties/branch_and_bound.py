@@ -8,11 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Interval
 
-Array = NDArray[np.float64]
 Place = tuple[float, float]
 _START = 32
 _MAX_BOXES = 400_000

@@ -10,14 +10,13 @@ from dataclasses import dataclass, replace
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett, FodSurface, Interval, Mirrored, RelayMeasure
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.branch_and_bound import Extreme, least, least_of
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses
 
-Array = NDArray[np.float64]
 _ZERO = 1e-9  # relative to the largest value; smaller values are rounding
 _INTERVALS = 4096
 

@@ -15,8 +15,8 @@ import math
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett, FodSurface, Interval, unmirrored
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.classes import MeasureClasses, classes
@@ -24,7 +24,6 @@ from smarig.theory.properties.sweep_changes import ChangeBounds, largest_change
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses
 from smarig.theory.properties.variation import variation_masses
 
-Array = NDArray[np.float64]
 _LATTICE_LINES = 192
 _INTERVALS = 4096
 _OFF_THRESHOLDS = (math.sqrt(5) - 1) / 2

@@ -6,11 +6,8 @@ rounding in double precision.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.preisach import FodSurface, Interval, shift_bounds, sigmoid
-
-Array = NDArray[np.float64]
 
 
 def density(surface: FodSurface, alpha: Interval, beta: Interval) -> Interval:

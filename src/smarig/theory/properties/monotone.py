@@ -10,15 +10,14 @@ from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett, FodSurface, Mirrored
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.branch_and_bound import Extreme, least, least_of
 from smarig.theory.properties.sweep_changes import largest_setback
 from smarig.theory.properties.triangle_grid import TriangleGrid
 
-Array = NDArray[np.float64]
 _ZERO = 1e-12
 
 

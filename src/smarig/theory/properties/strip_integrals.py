@@ -14,14 +14,13 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.preisach import Everett
 from smarig.theory.properties.triangle_grid import TriangleGrid
 from smarig.theory.properties.variation import uncertainty, variation
 
-Array = NDArray[np.float64]
 _GRID_POINTS = 2048
 _PEAKS, _GOLDEN_STEPS = 16, 60  # 0.618^60 = 3e-13 of an interval; values then differ by rounding
 _GOLDEN = (math.sqrt(5) - 1) / 2

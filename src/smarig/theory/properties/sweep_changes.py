@@ -14,14 +14,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett
 from smarig.theory.properties.strip_integrals import K, candidates
 from smarig.theory.properties.triangle_grid import LEVELS, TriangleGrid
 from smarig.theory.properties.variation import uncertainty
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,10 @@ from functools import singledispatch
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett, FodSurface, FodTable, Mirrored, RelayMeasure, mirror_image
 
-Array = NDArray[np.float64]
 MeasureKind = Literal["surface", "table", "relays", "sampled"]
 LEVELS = 128
 

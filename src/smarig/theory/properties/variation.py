@@ -9,13 +9,11 @@ decreases with the square of the cell size.
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.preisach import Everett, FodSurface, FodTable, Interval, Mirrored, RelayMeasure
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses, table_of
-
-Array = NDArray[np.float64]
 
 
 def variation(plane: TriangleGrid) -> Everett:

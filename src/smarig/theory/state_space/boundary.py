@@ -16,9 +16,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 
 Point = tuple[float, float]  # (β, α), abscissa first, as in (6.10) and the figures
 ROUNDING = 1e-12  # relative to û: smaller differences are rounding of coordinates
@@ -52,12 +51,12 @@ class Boundary:
         return self.points[-1][0]
 
     @property
-    def beta(self) -> NDArray[np.float64]:
+    def beta(self) -> Array:
         """Abscissae of the points, shape (n,)."""
         return np.array([beta for beta, _ in self.points])
 
     @property
-    def alpha(self) -> NDArray[np.float64]:
+    def alpha(self) -> Array:
         """Ordinates of the points, shape (n,)."""
         return np.array([alpha for _, alpha in self.points])
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.theory.state_space.boundary import Boundary, Point, has_slope_minus_one, staircase_points
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.memory_sequence import MemorySequence
@@ -47,7 +47,7 @@ def F(u: InputSignal, tau: float, bound: float) -> MemorySequence:
     return MemorySequence(tuple(v[kept].tolist()), bound)
 
 
-def _last_maximum_from(v: NDArray[np.float64]) -> NDArray[np.intp]:
+def _last_maximum_from(v: Array) -> NDArray[np.intp]:
     """For every k, the last index of max v[k:]."""
     back = v[::-1]
     record = np.r_[True, back[1:] > np.maximum.accumulate(back)[:-1]]
@@ -71,7 +71,7 @@ def F_right(s: MemorySequence, tau: float, start: float | None = None) -> InputS
     return InputSignal((start, *times, tau), (0.0, *s.values, s.limit))
 
 
-def partition_weights(n: int) -> NDArray[np.float64]:
+def partition_weights(n: int) -> Array:
     """The first n shares of the time in (6.4), corrected: 6/(π² i²), which sum to 1 over all i."""
     return 6 / math.pi**2 / np.arange(1.0, n + 1) ** 2
 

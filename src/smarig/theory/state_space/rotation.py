@@ -10,12 +10,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError
 from smarig.theory.state_space.boundary import ROUNDING, Boundary
 
-Array = NDArray[np.float64]
 ROOT = math.sqrt(2.0)
 TOLERANCE = 1e-9  # relative to û: rounding allowed in a computed rotated boundary
 

@@ -10,12 +10,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.block_predictions import inverse, left_out
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel
 from smarig.diagnosis.comparison.compared_hypothesis import Trial
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, Timeline
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from smarig.core import Array
 from smarig.diagnosis.drive_statistics import CORRELATIONS_S
 from smarig.replay import ReadingSeries, Timeline
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 RATIOS = np.concatenate([[0.0], 10.0 ** np.linspace(-1.5, 3.5, 21)])  # r tried
 LEAST_NOISE = {"current": 5e-5, "room": 0.005}  # A, K: best instruments

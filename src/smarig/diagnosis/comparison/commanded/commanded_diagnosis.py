@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
-from smarig.core import NotebookDisplay
+from smarig.core import NotebookDisplay, root_mean_square
 from smarig.diagnosis.comparison.commanded.commanded_json import commanded_json
 from smarig.diagnosis.comparison.commanded.commanded_law import CommandedLaw
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
@@ -165,7 +163,7 @@ class CommandedDiagnosis(NotebookDisplay):
     def error(self) -> ErrorSummary:
         """The rms errors of the runs' settled points by the given, the base and the extended model."""
         timeline = self.timeline
-        floor = float(np.sqrt(np.mean(self.noise.white[: len(timeline.settled)] ** 2)))
+        floor = root_mean_square(self.noise.white[: len(timeline.settled)])
         models = (self.subject.given, self.base, self.extended_plant)
         return ErrorSummary(timeline.unit, floor, *(settled_rms(timeline, m) for m in models))
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.block_scores import (
     Problem,
     channel_problems,
@@ -29,8 +29,6 @@ from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import Effect, EffectType
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Prediction, Timeline, predict
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

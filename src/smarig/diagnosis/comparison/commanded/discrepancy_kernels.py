@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, eigh, solve_triangular
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant, by_kind
 from smarig.diagnosis.comparison.commanded.kernel_shapes import (
     PLAIN,
@@ -31,7 +32,6 @@ from smarig.diagnosis.refit.coupled_readings import CoupledReadings
 from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS
 
-Array = NDArray[np.float64]
 JUMP_EDGE = 0.05  # of the record: a jump nearer to its ends moves too few readings
 
 

@@ -9,10 +9,10 @@ Trials lie at a few values, so the best of them would make every interval as coa
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
 from smarig.diagnosis.comparison.weights import TEMPERATURE
 
-Array = NDArray[np.float64]
 NEAR_NATS = 30.0  # behind the best: trials farther away say nothing of the top
 
 

@@ -9,14 +9,13 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.recorded_period import recorded_period_h
 from smarig.diagnosis.refit.moved_density import with_moved_density
 from smarig.plant import Effect, EffectType, Parameter
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
-Array = NDArray[np.float64]
 WEAK_SHARE = 0.25  # of the typical strength: here a trace is proportional to the strength
 DETECTION_SD = 4.0  # standard deviations by which the largest strength must exceed the noise
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
@@ -17,8 +17,6 @@ from smarig.diagnosis.refit.joint_density import with_density_for_effects, with_
 from smarig.plant import LEARNED
 from smarig.record import Run
 from smarig.replay import PlantModel
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

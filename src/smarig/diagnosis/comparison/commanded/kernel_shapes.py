@@ -7,7 +7,8 @@ operator.
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 TIME_SHARES = (1 / 60, 1 / 15, 1 / 4)  # of the record's duration: correlation times
 RANK_LENGTH = 0.15  # correlation length of other variables, in shares of their ranks
 SATURATED_SHARE = 0.02  # of the output's range: nearer to an end counts as saturated

@@ -1,13 +1,12 @@
 """Where a learned law of one variable has its knots, and the law that a fit starts from."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.plant import Effect, LearnedShape, can_be_learned, learned_effect_type
 from smarig.replay import PlantModel, Prediction, Timeline
 
-Array = NDArray[np.float64]
 KNOTS = 5
 LEAST_DISTANCE = 0.05  # of knots, in ranges of the variable
 

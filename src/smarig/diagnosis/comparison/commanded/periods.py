@@ -6,15 +6,14 @@ A fit that starts at a wrong period stays there. These traces cost no simulation
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.effect_traces import WEAK_SHARE, Candidate
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.plant import Effect
 from smarig.replay import predict
 
-Array = NDArray[np.float64]
 EQUAL_NATS = 2.0  # behind the best: of periods that explain as much, the longest is the smoothest
 PERIODS = 80  # tried, evenly in the logarithm, from a few steps to several records
 

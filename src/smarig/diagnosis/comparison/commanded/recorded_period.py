@@ -1,11 +1,9 @@
 """The period with which a channel swings, where a fit of a periodic effect may start."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.replay import Timeline
-
-Array = NDArray[np.float64]
 
 MIN_SHARE = 0.5  # of the channel's variance: noise alone has no such period
 PER_CYCLE = 8  # frequencies tried for each additional cycle in the record

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.block_scores import Problem, trial_of
 from smarig.diagnosis.comparison.commanded.commanded_problem import (
     CommandedProblem,
@@ -21,8 +21,6 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import (
 from smarig.diagnosis.comparison.commanded.effect_traces import DETECTION_SD, Candidate, named
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.plant import Effect, EffectType
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
 from smarig.diagnosis.comparison.rules import RULES
@@ -21,7 +22,6 @@ from smarig.diagnosis.refit.joint_density import (
 from smarig.record import Run
 from smarig.replay import PlantModel, Timeline, build_timeline, predict
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
@@ -38,7 +38,9 @@ def missing_knowledge_of(
     ids = {id(run) for run in held_out}
     held = np.isin(timeline.run, [k for k, run in enumerate(timeline.runs) if id(run) in ids])
     plain = _error(timeline, base, zeroed_by=~held)
-    if _rms(plain[held]) <= max(RULES["worse"].value * _rms(plain[~held]), RULES["adequate"].value * noise):
+    if root_mean_square(plain[held]) <= max(
+        RULES["worse"].value * root_mean_square(plain[~held]), RULES["adequate"].value * noise
+    ):
         return None
     found = joint_density_from_best_start(timeline, subject.given, subject.original)
     positive = with_positive_measure(timeline, subject.given)
@@ -46,7 +48,7 @@ def missing_knowledge_of(
     fitted = _error(timeline, joint, zeroed_by=np.ones_like(held))
     cost = max(_square(fitted[~held]) - _square(plain[~held]), 0.0)
     share = 1.0 - (_square(fitted[held]) + cost) / _square(plain[held])
-    if share < RULES["not_determined"].value or _rms(fitted) > RULES["adequate"].value * noise:
+    if share < RULES["not_determined"].value or root_mean_square(fitted) > RULES["adequate"].value * noise:
         return None
     inputs = predict(timeline, base).states
     u = np.array([s.u for s in inputs[: held.size]])[held]
@@ -61,10 +63,6 @@ def _error(timeline: Timeline, model: PlantModel, zeroed_by: Mask) -> Array:
         zeroes = own & zeroed_by if np.any(own & zeroed_by) else own
         error[own] -= error[zeroes].mean()
     return error
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))
 
 
 def _square(x: Array) -> float:

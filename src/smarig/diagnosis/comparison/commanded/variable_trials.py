@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.block_scores import (
     Problem,
     channel_problems,
@@ -35,7 +35,6 @@ from smarig.diagnosis.comparison.commanded.kernel_shapes import (
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings
 
-Array = NDArray[np.float64]
 CHANNEL_VARIABLES = ("time", "level")
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: what is farther will not become the best
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, smooth_kernel
 from smarig.diagnosis.comparison.measured.varied_together import at_one_rate
 from smarig.measurement import (
@@ -23,7 +24,6 @@ from smarig.measurement import (
     width_of_leading_loops,
 )
 
-Array = NDArray[np.float64]
 DEVIATION = 0.02  # variance of the deviation from the shape, over that of the shape
 DEVIATION_LENGTH = 0.35  # of the range of the variable
 CONDITION_LENGTH = 1.0  # of the range of a condition: gain and zero between two loads lie near a line

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.block_predictions import left_out, log_t_density
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.comparison.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
@@ -17,7 +18,6 @@ from smarig.diagnosis.comparison.measured.positive_prior import PositiveDensity,
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 from smarig.measurement import LearnedTerm, MeasurementEffect
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 SLOPE_SIZE = 0.3  # of the output's standard deviation: slopes are comparable with the level
 FIRST_SIZE, ADDED_SIZE, BLOCK_SIZE, NOISE_SIZE = 0.3, 0.005, 1e-3, 1e-4
@@ -83,7 +83,7 @@ class KeptAddition:
     @property
     def misfit(self) -> float:
         """Rms of what the model leaves of the training readings that it is fitted to."""
-        return float(np.sqrt(np.mean((self.problem.y - self.output)[self.problem.train] ** 2)))
+        return root_mean_square((self.problem.y - self.output)[self.problem.train])
 
     def held_out_error(self) -> Array:
         """Errors of the held-out readings."""
@@ -96,7 +96,7 @@ class KeptAddition:
         slope = self.relays.slope(problem, self.dual)
         own = slope[problem.train]
         size = SLOPE_SIZE * float(problem.y[problem.train].std())
-        size /= max(float(np.sqrt(np.mean(own**2))), 1e-12)
+        size /= max(root_mean_square(own), 1e-12)
         return Surface(level - level[problem.train].mean(), slope * size)
 
 
@@ -138,7 +138,7 @@ class FittedAddition:
         error, _ = left_out(
             self.fit.precision, self.fit.dual, [np.flatnonzero(runs == r) for r in np.unique(runs)]
         )
-        return float(np.sqrt(np.mean(error**2)))
+        return root_mean_square(error)
 
     @property
     def score(self) -> float:

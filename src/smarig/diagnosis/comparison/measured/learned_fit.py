@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.identification import (
     SMOOTHINGS,
     Comparison,
@@ -22,7 +23,6 @@ from smarig.identification import (
 )
 from smarig.measurement import LEVEL, LearnedTerm, branch_directions, variable_of
 
-Array = NDArray[np.float64]
 STEPS = 5  # Gauss–Newton
 CONVERGED = 1e-3  # relative change of the error
 LEAST_SMOOTHING = 0.005  # of that of the plain model: a term permits one step less, not two
@@ -127,7 +127,7 @@ def _with_outputs(comparison: Comparison, terms: Sequence[LearnedTerm], at: Meas
 
 
 def _error(comparison: Comparison, fit: MeasuredFit) -> float:
-    return float(np.sqrt(np.mean((comparison.weight * fit.error)[comparison.train] ** 2)))
+    return root_mean_square((comparison.weight * fit.error)[comparison.train])
 
 
 def _moved(

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, root_mean_square
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.effects_alone import with_effects_alone
 from smarig.diagnosis.comparison.intervals import interval
@@ -32,7 +32,6 @@ from smarig.diagnosis.suspects import suspects
 from smarig.measurement import MeasurementEffect, measurement_effect_types
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 BASE_STEPS = 30
 OFFSET = "input_offset"
@@ -169,8 +168,8 @@ def _held_out_errors(base: KeptAddition, weights: Weights) -> dict[str, float]:
         return {}
     relevant = {weights.heaviest.name: weights.heaviest}
     relevant |= {h.name: h for h in (weights.best_with(p) for p, w in weights.causes.items() if w > 0.01)}
-    found = {"nothing": _rms(base.held_out_error())}
-    return found | {n: _rms(fitted(h).held_out_error()) for n, h in relevant.items() if h.parts}
+    found = {"nothing": root_mean_square(base.held_out_error())}
+    return found | {n: root_mean_square(fitted(h).held_out_error()) for n, h in relevant.items() if h.parts}
 
 
 def _evidence(
@@ -270,7 +269,7 @@ def _held_out_is_off(base: KeptAddition) -> bool:
     if base.problem.train.all():
         return False
     least = max(RULES["worse"].value * base.misfit, RULES["adequate"].value * base.noise)
-    return _rms(base.held_out_error()) > least
+    return root_mean_square(base.held_out_error()) > least
 
 
 def _effects(verdict: Verdict, weights: Weights) -> tuple[MeasurementEffect, ...]:
@@ -294,11 +293,7 @@ def _offsets(weights: Weights) -> tuple[RunOffset, ...]:
     offsets = []
     for name, value in single.best.parameters.items():
         at = found.problem.record == names.index(name)
-        without, with_offset = (_rms(f.error[at]) * scale for f in (plain, found))
+        without, with_offset = (root_mean_square(f.error[at]) * scale for f in (plain, found))
         low, high = interval(single, name, weights)
         offsets.append(RunOffset(name, value, (min(low, value), max(high, value)), without, with_offset))
     return tuple(offsets)
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))

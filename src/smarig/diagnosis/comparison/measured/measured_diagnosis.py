@@ -10,9 +10,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from smarig.core import NotebookDisplay
+from smarig.core import Array, NotebookDisplay, root_mean_square
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.finding import Finding
 from smarig.diagnosis.comparison.measured.learned_law import LearnedLaw
@@ -29,7 +28,6 @@ from smarig.diagnosis.comparison.measured.measured_extension import (
     extension_by_law,
     held_out_error,
     hysteresis_of_first_run,
-    rms,
 )
 from smarig.diagnosis.comparison.measured.measured_json import measured_json
 from smarig.diagnosis.comparison.measured.measured_runs import records_of, replayed_error, selected_rows
@@ -41,8 +39,6 @@ from smarig.identification import Comparison, MeasuredHypothesis, compared
 from smarig.measurement import InputRecord, LearnedTerm, MeasurementPart, measurement_effect_types
 from smarig.record import Run
 from smarig.replay import Model, file_hash, foreign_conditions, pooled_conditions
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,13 +132,13 @@ class MeasuredDiagnosis(NotebookDisplay):
 
     def rms(self, found: MeasuredHypothesis | None = None) -> float:
         """Rms error at the training readings: of the plain model, or of a hypothesis."""
-        return rms((found or self.base).fit.error[self.comparison.train])
+        return root_mean_square((found or self.base).fit.error[self.comparison.train])
 
     @property
     def given_rms(self) -> float | None:
         """Rms error of the given model at the training readings, or None if it predicts none of them."""
         error = self.given_error[self.comparison.train]
-        return rms(error[np.isfinite(error)]) if np.isfinite(error).any() else None
+        return root_mean_square(error[np.isfinite(error)]) if np.isfinite(error).any() else None
 
     @cached_property
     def properties(self) -> tuple[PropertyTest, ...]:
@@ -280,8 +276,8 @@ def _error_to_beat(base: Array, given: Array, model: Model, held_out: Sequence[R
     """
     known = {p.sha256 for p in model.provenance}
     if not base.size or not np.isfinite(given).all() or any(file_hash(run) in known for run in held_out):
-        return rms(base) if base.size else np.inf
-    return min(rms(base), rms(given))
+        return root_mean_square(base) if base.size else np.inf
+    return min(root_mean_square(base), root_mean_square(given))
 
 
 def _gain(
@@ -291,7 +287,9 @@ def _gain(
     if not tested.any():
         return None
     known = given[tested]
-    floor = min(noise, rms(extended[tested]), rms(base[tested]))  # no error is below the noise
+    floor = min(
+        noise, root_mean_square(extended[tested]), root_mean_square(base[tested])
+    )  # no error is below the noise
     return HeldOutGain(
         base[tested],
         extended[tested],

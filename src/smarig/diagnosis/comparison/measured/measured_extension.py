@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.measured.learned_fit import LearnedFit
 from smarig.diagnosis.comparison.measured.learned_law import LearnedLaw
 from smarig.diagnosis.comparison.measured.learned_search import learned_of
@@ -23,8 +23,6 @@ from smarig.measurement import InputRecord, MeasurementEffect, MeasurementPart
 from smarig.preisach import FodTable
 from smarig.record import Run
 from smarig.replay import Model, provenance
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +108,7 @@ def _if_better(
     tested = ~plain.comparison.train
     if extension.hypothesis.rms >= plain.base.rms:
         return None
-    if tested.any() and rms(extension.error[tested]) > tolerance * plain.error_to_beat:
+    if tested.any() and root_mean_square(extension.error[tested]) > tolerance * plain.error_to_beat:
         return None
     return extension
 
@@ -158,8 +156,3 @@ def extended_model(
         provenance=tuple(provenance(run) for run in plain.train),
         warnings=(*model.warnings, warning),
     )
-
-
-def rms(x: Array) -> float:
-    """Root of the mean square."""
-    return float(np.sqrt(np.mean(x**2)))

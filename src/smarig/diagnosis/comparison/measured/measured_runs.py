@@ -5,13 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification import Comparison, selected_points
 from smarig.measurement import InputRecord, input_records
 from smarig.record import Run
 from smarig.replay import Model, simulate_runs
-
-Array = NDArray[np.float64]
 
 
 def records_of(train: Sequence[Run], held_out: Sequence[Run]) -> tuple[list[InputRecord], int]:

@@ -12,7 +12,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from smarig.core import Array
+
 Rows = NDArray[np.int64]
 CELLS = 24
 DEPTH = 12  # reversals kept of a memory: noise nests loops without end

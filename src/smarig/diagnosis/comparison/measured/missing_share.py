@@ -5,9 +5,9 @@ density without a larger error of the training readings; a turn inside the fitte
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.measured.additions import KeptAddition
 from smarig.diagnosis.comparison.missing_knowledge import (
     MissingKnowledge,
@@ -16,7 +16,6 @@ from smarig.diagnosis.comparison.missing_knowledge import (
 )
 from smarig.diagnosis.comparison.rules import RULES
 
-Array = NDArray[np.float64]
 CONSTANT = 10.0  # column of the unknown zero, of either sign
 
 

@@ -8,13 +8,12 @@ Each is centred, for the constant part is the density's, and every variable woul
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, rough_kernel, smooth_kernel
 from smarig.diagnosis.comparison.measured.varied_together import OVER_CYCLES, at_one_rate, between_runs
 
-Array = NDArray[np.float64]
 LENGTH = 0.35  # of the variable's range
 NEEDS_CLOCK = ("rate", "speed", "time", "time_since_reversal")
 VARIABLES = ("rate", "speed", "time", "cycle", "history", "time_since_reversal", "stress", "run")

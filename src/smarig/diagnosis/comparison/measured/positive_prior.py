@@ -9,13 +9,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 
-Array = NDArray[np.float64]
 STEPS = 150
 WARP_CELLS = 40
 WARP = 0.5  # share of the cells that follow the output; a Preisach model knows no scale of its input

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.measurement import (
     InputRecord,
     MeasurementEffect,
@@ -20,7 +20,6 @@ from smarig.measurement import (
     reversals,
 )
 
-Array = NDArray[np.float64]
 Pair = tuple[float, float]  # difference of two outputs that should be equal, and its standard deviation
 FEWEST = 3  # pairs: fewer prove nothing
 SMALLEST_EXCURSION = 0.05  # of the input's range
@@ -126,9 +125,9 @@ def _tested(name: str, pairs: Array, limit: float) -> PropertyTest:
     difference, sd = pairs.T
     drawn = np.random.default_rng(0).integers(0, difference.size, (DRAWS, difference.size))
     lower = float(np.quantile(np.sqrt(np.mean(difference[drawn] ** 2, axis=1)), LOWER))
-    noise = _rms(sd)
+    noise = root_mean_square(sd)
     return PropertyTest(
-        name, difference.size, _rms(difference), noise, lower, max(TIMES_NOISE * noise, limit)
+        name, difference.size, root_mean_square(difference), noise, lower, max(TIMES_NOISE * noise, limit)
     )
 
 
@@ -157,8 +156,4 @@ def _repeats(b: Branches) -> Iterator[Pair]:
         for i, k in zip(starts, starts[1:]):
             nearer = min((float(u[turns[j + 1]]) for j in (i, k)), key=lambda v: abs(v - extreme))
             at = extreme + (nearer - extreme) * np.linspace(0.1, 0.9, LEVELS)
-            yield _rms(b.output(k, at) - b.output(i, at)), b.sd((i, k), at)
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))
+            yield root_mean_square(b.output(k, at) - b.output(i, at)), b.sd((i, k), at)

@@ -11,13 +11,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.diagnosis.comparison.measured.record_readings import FEWEST_READINGS, RecordReadings, smooth
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord
 from smarig.measurement import InputRecord
 from smarig.preisach import turning_points
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 TURN_SHARE = 0.08  # of the input's range: a smaller turn ends no excursion

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord
 from smarig.measurement import InputRecord, starting_state
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 TRAIN_READINGS, HELD_OUT_READINGS, FEWEST_READINGS = 240, 120, 20

@@ -13,11 +13,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 from smarig.measurement import ONE_RATE, measurement_effect_types
 
-Array = NDArray[np.float64]
 OVER_CYCLES, RATES = ("time", "cycle"), ("rate", "speed")
 OFFSET = Part("effect", "input_offset")
 FEWEST_EXCURSIONS = 4  # fewer are in the order of time by chance

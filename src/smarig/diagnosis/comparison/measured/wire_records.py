@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from smarig.core import Array
 from smarig.measurement import InputRecord, input_records
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Part = tuple[InputRecord, bool, Mask]  # of a record: whether it is held out, and the rows that may be read
 QUIET_SHARE = 0.003  # of the range: noise that makes no memory worth a name

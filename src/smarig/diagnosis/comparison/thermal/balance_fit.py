@@ -8,12 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.thermal.heat_balance import HeatBalance
 from smarig.diagnosis.comparison.thermal.thermal_record import ThermalRecord
 
-Array = NDArray[np.float64]
 PLAIN = ("start", "offset", "gain", "tau")
 LEVELS = (-100.0, 400.0)  # bounds of start and offset, °C
 MOST_STEPS = 40
@@ -31,7 +30,7 @@ class FittedBalance:
     @property
     def rms(self) -> float:
         """Of the errors, kelvin."""
-        return float(np.sqrt(np.mean(self.error**2)))
+        return root_mean_square(self.error)
 
 
 def fit_balance(

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from math import exp
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.thermal.thermal_record import FINE, ThermalRecord
 
-Array = NDArray[np.float64]
 REFERENCE_K = 20.0  # θ₀: here the loss does not depend on n
 LEAST_EXCESS_K = 0.5  # below it, the loss is linear
 

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.comparison.gaussian_fit import GaussianFit, fit_gaussian
 from smarig.diagnosis.comparison.measured.reading_problem import rough_kernel, smooth_kernel
@@ -25,7 +25,6 @@ from smarig.diagnosis.comparison.thermal.balance_fit import PLAIN, FittedBalance
 from smarig.diagnosis.comparison.thermal.heat_balance import wire_response
 from smarig.diagnosis.comparison.thermal.thermal_problem import ThermalProblem
 
-Array = NDArray[np.float64]
 VARIABLES = ("time", "temperature", "power", "heating_rate")
 LENGTH = 0.35  # of a variable's range
 FIRST_SIZES = (1e-4, 1e-4, 1e-4)  # of errors within a block, short and long, and of the noise
@@ -154,7 +153,7 @@ class ThermalBasis:
 
 
 def _unit(response: Array) -> Array:
-    size = float(np.sqrt(np.mean(response.sum(axis=1) ** 2)))
+    size = root_mean_square(response.sum(axis=1))
     return response / (size or 1.0)
 
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.intervals import interval
 from smarig.diagnosis.comparison.rules import Verdict, VerdictEvidence, decide
@@ -20,7 +20,6 @@ from smarig.diagnosis.comparison.thermal.thermal_record import ThermalRecord
 from smarig.diagnosis.comparison.thermal.thermal_search import Progress, searched_hypotheses
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
 
-Array = NDArray[np.float64]
 Interval = tuple[float, float]
 BASE_STEPS = 60
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
@@ -105,7 +104,7 @@ def _size(problem: ThermalProblem, weights: Weights, part: Part) -> float:
 def _changed(start: ComparedHypothesis, hypothesis: ComparedHypothesis) -> float:
     """Root mean square of what a hypothesis changes of the trace of another."""
     before, after = (h.best.state.trace for h in (start, hypothesis))
-    return float(np.sqrt(np.mean((after - before) ** 2)))
+    return root_mean_square(after - before)
 
 
 def _without(weights: Weights, hypothesis: ComparedHypothesis, part: Part) -> ComparedHypothesis:

@@ -11,11 +11,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Array
 from smarig.diagnosis.comparison.thermal.balance_fit import FittedBalance
 from smarig.diagnosis.comparison.thermal.thermal_record import ThermalRecord
 from smarig.preisach import turning_points
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 TURN_SHARE = 0.08  # of a range: a smaller step or turn begins no transient
 FEWEST_BLOCKS = 10

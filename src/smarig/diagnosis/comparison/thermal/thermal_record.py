@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import Array, DataError
 from smarig.identification import valid_rows
 from smarig.record import Run
 
-Array = NDArray[np.float64]
 MOST_BINS = 200  # a polled, quantised sensor contains no more information
 BIN_ROWS = 2
 FEWEST_BINS = 40
