@@ -3,6 +3,7 @@
 import json
 import os
 import select
+import shlex
 import shutil
 import sqlite3
 import subprocess
@@ -79,6 +80,34 @@ def test_a_stopped_run_names_the_whole_command_that_continues_it(capsys, tmp_pat
     assert status == 130
     assert err.strip().endswith(f"the current is at zero. smarig resume {out} --rig {rig} continues it.")
     assert err.count("smarig resume") == 1
+
+
+OWN_PROTOCOL = """from smarig.core import Hold, Settled
+SUMMARY = "Two levels."
+def two_levels(setup):
+    for input_K in (40.0, 60.0):
+        yield Hold(setup.current_for(input_K), Settled(0.01, 1.0), target=input_K)
+"""
+
+
+@pytest.mark.parametrize("own", ["protocol", "file"])
+def test_the_command_that_continues_a_stopped_run_continues_it(capsys, tmp_path, monkeypatch, own):
+    """It names the user's own protocol and profile again, also where their paths hold a blank."""
+    folder = tmp_path / "of mine"
+    folder.mkdir()
+    protocol, profile, out = folder / "two_levels.py", folder / "p.csv", tmp_path / "a.run.sqlite"
+    protocol.write_text(OWN_PROTOCOL)
+    profile.write_text("temperature_K\n10\n60\n")
+    what = {"protocol": [protocol], "file": ["step_currents", "--set", f"file={profile}"]}[own]
+    with monkeypatch.context() as stopping:
+        stopping.setattr(Runner, "_carry_out", _stopped)
+        status, _, err = call(capsys, "run", *what, "--rig", "one_wire_twin", "-o", out, "--quiet")
+    assert status == 130
+    program, *arguments = shlex.split(err.strip().rpartition("zero. ")[2].removesuffix(" continues it."))
+    assert program == "smarig"
+    status, result, err = call(capsys, *arguments, "--quiet", "--json")
+    assert status == 0, err
+    assert json.loads(result)["cause"] == "done"
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,17 @@ A run file may come from anywhere, and a Python file is executed when it is load
 names is therefore never loaded from there; the user gives the same one again.
 """
 
-from collections.abc import Iterable, Mapping
+import shlex
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from smarig.config import RigFile, driver_names
 from smarig.control import TRACKING_CONTROLLERS
 from smarig.core import (
     DataError,
+    SmarigError,
     UsageError,
     catalogue_kind,
     named,
@@ -19,7 +23,7 @@ from smarig.core import (
 )
 from smarig.plant import EFFECTS, Effect
 from smarig.protocols import PROTOCOLS, file_settings
-from smarig.record import Run
+from smarig.record import Run, stored_run
 from smarig.rig import DRIVERS
 
 OWN_FILES = "own_files"  # key of the run table
@@ -98,6 +102,26 @@ def with_files_given(run: Run, settings: Mapping[str, Any], given: Mapping[str, 
         if settings.get(key) and key not in given:
             passed(named(str(settings[key]), "run: settings.file", run.path.name))
     return {**settings, **{key: given[key] for key in names if settings.get(key)}}
+
+
+def resume_command(path: Path, rig: str = "") -> str:
+    """The command with which the user who made a run resumes it; ``rig``: the user's own rig file.
+
+    It names again what no record may name: own protocols and effects, plug-ins, and files of settings.
+    """
+    words = ["smarig", "resume", str(path), *(["--rig", rig] if rig else [])]
+    with suppress(SmarigError), stored_run(path, verify=False) as run:
+        words += _named_again(run)
+    return shlex.join(words)
+
+
+def _named_again(run: Run) -> Iterator[str]:
+    for kind, name, path, _, origin in own_file_entries(run):
+        if kind in ("protocol", "effect"):
+            yield from (f"--{kind}", name if origin else path)
+    for key in file_settings(str(run.info.protocol)):
+        if value := run.info.settings.get(key):
+            yield from ("--set", f"{key}={value}")
 
 
 def own_file_entries(run: Run) -> list[tuple[str, str, str, str, str]]:

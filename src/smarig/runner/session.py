@@ -4,7 +4,6 @@ The wire's memory, the device's ticks and the encoder's zero continue from run t
 its cause.
 """
 
-import shlex
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -57,7 +56,7 @@ from smarig.runner.absolute_zero import zero_data, zero_of_session
 from smarig.runner.end_severity import end_severity
 from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import rig_locks
-from smarig.runner.own_files import OWN_FILES, used_own_files
+from smarig.runner.own_files import OWN_FILES, resume_command, used_own_files
 from smarig.runner.preview import Preview, ProtocolFactory, preview
 from smarig.runner.restart_shift import Shift
 from smarig.runner.rig_description import rig_description
@@ -170,8 +169,7 @@ class Session:
 
     def resume_command(self, run: Path) -> str:
         """The command that resumes a run of this session; it names a rig file, because no record may."""
-        named_again = f" --rig {shlex.quote(self._name)}" if self.on_own_rig_file else ""
-        return f"smarig resume {shlex.quote(str(run))}{named_again}"
+        return resume_command(run, self._name if self.on_own_rig_file else "")
 
     @property
     def setup(self) -> Setup:

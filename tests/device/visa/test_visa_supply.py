@@ -319,6 +319,58 @@ def test_an_overload_is_no_reading():
     server.close()
 
 
+def _answering(answer, **settings):
+    """A meter that answers READ? with a text, and the server whose text can be changed."""
+    server = SimulatedMeter("READ?", lambda: 0.0)
+    server.answer = lambda line: "ACME,G7,1,2" if line == "*IDN?" else answer
+    return server, visa_meter(link(server, unit="mm", **settings), RIG)
+
+
+def test_a_number_in_another_unit_than_before_is_no_reading():
+    server, meter = _answering("12.5 mm")
+    assert meter.position() == 12.5
+    server.answer = lambda line: "ACME,G7,1,2" if line == "*IDN?" else "0.4921 in"
+    with pytest.raises(Garbled, match=r"answers '0\.4921 in' to READ\?, where a number in mm is expected"):
+        meter.position()
+    server.answer = lambda line: "ACME,G7,1,2" if line == "*IDN?" else "+12.6 mm"
+    assert meter.position() == 12.6
+    server.answer = lambda line: "ACME,G7,1,2" if line == "*IDN?" else "9.9E37"
+    assert math.isnan(meter.position()), "an overload"
+    meter.close()
+    server.close()
+
+
+@pytest.mark.parametrize(
+    ("answer", "says"), [("0.5 in", "a number in mm is expected"), ("0.5", "a number in mm is expected")]
+)
+def test_a_meter_whose_unit_is_stated_gives_no_other(answer, says):
+    server, meter = _answering(answer, answer_unit="mm")
+    with pytest.raises(Garbled, match=says):
+        meter.position()
+    meter.close()
+    server.close()
+
+
+@pytest.mark.parametrize("answer", ["1,234", "-12,5 mm"])
+def test_a_decimal_comma_is_not_taken_for_two_numbers(answer):
+    server, meter = _answering(answer)
+    with pytest.raises(Garbled, match=f"answers '{answer}'"):
+        meter.position()
+    meter.close()
+    server.close()
+
+
+def test_a_meter_of_another_identity_is_refused():
+    server, meter = _answering("1", identity="G7")
+    meter.close()
+    with pytest.raises(WrongDevice, match="answers 'ACME,G7,1,2' to .*, without 'LK-G'"):
+        visa_meter(link(server, unit="mm", identity="LK-G"), RIG)
+    server.answer = lambda line: "1.25"
+    with pytest.raises(WrongDevice, match=r"answers '1\.25' to .*, which is no identity"):
+        visa_meter(link(server, unit="mm"), RIG)
+    server.close()
+
+
 def test_an_answer_that_is_no_number_is_garbled(serve):
     server = serve("rigol_dp800")
     meter = visa_meter(link(server, query="*IDN?"), RIG)

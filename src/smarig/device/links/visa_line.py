@@ -17,12 +17,15 @@ from typing import Any, Literal, NoReturn, Self, TypeVar
 from smarig.config import LinkFile
 from smarig.core import MissingExtra, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
-from smarig.device.links.query import only_reads
+from smarig.device.links.query import LARGEST, only_reads
 
 # of PyVISA; empty: that of ~/.pyvisarc, the vendor's library if there is one, else pyvisa-py. No path: a rig file that
 # came from elsewhere would load a library.
 Backend = Literal["", "@ivi", "@py", "@sim"]
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")  # and the text after it
+_DECIMAL_COMMA = re.compile(
+    r"\s*[-+]?\d+,\d+\s*[^\d,]*"
+)  # 1,234: no two numbers of an instrument are so written
 _IDENTITY = "*IDN?"
 _SWITCH = {"1": True, "ON": True, "0": False, "OFF": False}
 _T = TypeVar("_T")
@@ -58,6 +61,7 @@ class VisaLine:
         self._serial_format = serial_format
         self._manager = _manager(backend)
         self._session: Any = None
+        self._units: dict[str, list[str]] = {}  # of the numbers that answer a query
         self._verified = True  # the instrument of this session has identified itself, or nobody knows it yet
         self.reconnections = self.repeats = 0  # sessions opened again; queries asked once more
         self._open()
@@ -89,12 +93,20 @@ class VisaLine:
         """Whether the answer to a query that only reads says on. Raises Garbled if it says neither, twice."""
         return self._query_twice(question, True, lambda answer: self._switch(question, answer))
 
+    def expect_unit(self, question: str, unit: str) -> None:
+        """Take the number of this query only in this unit, as the instrument writes it."""
+        self._units[question] = [unit]
+
     def number(self, question: str, *, reads: bool | None = None) -> float:
-        """The first number of the answer; a unit after it is ignored. Raises Garbled without one, twice."""
+        """The first number of the answer. Raises Garbled without one, twice."""
         return self.numbers(question, reads=reads)[0]
 
     def numbers(self, question: str, *, reads: bool | None = None) -> list[float]:
-        """All numbers of an answer, which commas separate. Raises Garbled if one is none, twice."""
+        """All numbers of an answer, which commas separate. Raises Garbled if one is none, twice.
+
+        The unit after a number is that of the first answer, or of ``expect_unit``: an instrument that was set to
+        inches, or changes to mV, does not pass as before.
+        """
         return self._query_twice(question, reads, lambda answer: self._readings(question, answer))
 
     def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
@@ -111,9 +123,19 @@ class VisaLine:
 
     def _readings(self, question: str, answer: str) -> list[float]:
         found = [_NUMBER.match(part) for part in answer.split(",")]
-        numbers = [float(part.group(1)) for part in found if part]
-        if not numbers or len(numbers) < len(found):
+        parts = [part.groups() for part in found if part]
+        if len(parts) < len(found) or _DECIMAL_COMMA.fullmatch(answer):
             self._garbled(question, answer)
+        numbers, units = [float(number) for number, _ in parts], [unit.strip() for _, unit in parts]
+        if max(map(abs, numbers)) >= LARGEST:  # 9.9E37, an overload, which some write without a unit
+            return numbers
+        if (before := self._units.setdefault(question, units)) != units:
+            in_unit = f"in {', '.join(before)}" if any(before) else "without a unit"
+            self._drop()
+            raise Garbled(
+                f"{self.where} answers '{answer}' to {question.strip()}, where a number {in_unit} is expected. Set its "
+                "unit and a fixed range."
+            )
         return numbers
 
     def _switch(self, question: str, answer: str) -> bool:
