@@ -23,7 +23,7 @@ from smarig.core import (
 )
 from smarig.plant import EFFECTS, Effect
 from smarig.protocols import PROTOCOLS, file_settings
-from smarig.record import Run, stored_run
+from smarig.record import Run, StoredRun, stored_run
 from smarig.rig import DRIVERS
 
 OWN_FILES = "own_files"  # key of the run table
@@ -115,7 +115,7 @@ def resume_command(path: Path, rig: str = "") -> str:
     return shlex.join(words)
 
 
-def _named_again(run: Run) -> Iterator[str]:
+def _named_again(run: Run | StoredRun) -> Iterator[str]:
     for kind, name, path, _, origin in own_file_entries(run):
         if kind in ("protocol", "effect"):
             yield from (f"--{kind}", name if origin else path)
@@ -124,7 +124,7 @@ def _named_again(run: Run) -> Iterator[str]:
             yield from ("--set", f"{key}={value}")
 
 
-def own_file_entries(run: Run) -> list[tuple[str, str, str, str, str]]:
+def own_file_entries(run: Run | StoredRun) -> list[tuple[str, str, str, str, str]]:
     """Kind, name, path, hash, and origin of each own file of a run; the origin is "" for a file, which is no plug-in.
 
     Raises DataError if they are damaged.
