@@ -11,7 +11,6 @@ from types import ModuleType
 from typing import Any
 
 from smarig.core.errors import UsageError
-from smarig.core.former_names import answer_former_names
 from smarig.core.plugin import PluginOffer, plugin_folder
 from smarig.core.regular_file import file_bytes
 from smarig.core.shown_text import error_text
@@ -86,7 +85,6 @@ def load_own_file(package: str, kind: str, path: Path, data: bytes) -> Any:
     module = ModuleType(f"_own_{kind}_{name}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module  # dataclasses look up their module there
-    answer_former_names()
     try:
         exec(compile(data, str(path), "exec"), module.__dict__)
     except SyntaxError as error:  # in this file or in a file that it imports

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from smarig.core.errors import UsageError
-from smarig.core.former_names import answer_former_names
 from smarig.core.shown_text import error_text
 
 PREFIX = "smarig."
@@ -142,7 +141,6 @@ def import_plugin(offer: PluginOffer) -> tuple[Any, Path]:
     reason = offer.fault()
     if reason:
         raise UsageError(f"{_named(offer)} cannot be used: {reason}.")
-    answer_former_names()
     name, _, attribute = (part.strip() for part in offer.target.partition(":"))
     try:
         with redirect_stdout(sys.stderr):  # what it prints is not part of a command's result
