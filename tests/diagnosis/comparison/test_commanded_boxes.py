@@ -15,6 +15,7 @@ from smarig.diagnosis.comparison.commanded import commanded_comparison, commande
 from smarig.diagnosis.comparison.commanded.commanded_comparison import concluded
 from smarig.diagnosis.comparison.commanded.commanded_diagnosis import _parameters
 from smarig.diagnosis.comparison.commanded.commanded_problem import less_optimism
+from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.discrepancy_kernels import _Geometry
 from smarig.diagnosis.comparison.commanded.kernel_shapes import PLAUSIBLE_ROOM_K
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies, least_near
@@ -191,6 +192,19 @@ def test_every_kernel_of_a_variable_that_is_near_its_best_is_a_trial() -> None:
     near = [g for g in gains if g >= least_near(max(gains))]
     assert 2 < len(near) < len(gains)
     assert len(smooth.hypothesis("time").trials) == len(near)
+
+
+def test_a_variable_of_a_wrong_shape_leads_before_errors_that_follow_the_travel() -> None:
+    """Dust that halves the heat loss moves the input far, which no small law of time describes by itself."""
+    with TemporaryDirectory() as folder:
+        box = short_box(NUMBER, {"dust": {"share": 0.6, "tau_h": 1.0}})
+        train = [load_run(path) for path in write_box(box, Path(folder)).train]
+        subject = subject_of(identify(train, "positive").model, train, [])
+    smooth = Discrepancies.about(subject, subject.base)
+    assert smooth.hypothesis("history").score > smooth.hypothesis("time").score
+    found = {h.parts[-1].name: h.score for h in smooth.hypotheses(4)}
+    assert max(found, key=lambda name: found[name]) == "time"
+    assert found["history"] == smooth.hypothesis("history").score
 
 
 @pytest.mark.parametrize("vary", [True, False])

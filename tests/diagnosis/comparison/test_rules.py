@@ -72,6 +72,20 @@ def test_each_doubt_takes_the_name_away(changes, reason):
     assert found.reason == reason
 
 
+@pytest.mark.parametrize(
+    ("beside", "size", "word"), [(0.05, 0.1, "named"), (0.97, 0.1, "unknown"), (0.97, 0.001, "named")]
+)
+def test_a_name_does_not_stand_on_effects_that_remove_too_little_to_be_told(beside, size, word):
+    found = verdict(
+        {LAG: 0.97, DRIFT: beside},
+        together={frozenset({LAG}): 0.97 - beside, frozenset({LAG, DRIFT}): beside},
+        size={LAG: 0.1, DRIFT: size},
+        remains={LAG: 0.01, DRIFT: 0.2},
+        held_out={LAG: 0.2},
+    )
+    assert (found.word, found.reason) == (word, "likely" if word == "named" else "with_others")
+
+
 def test_runs_that_no_fit_has_seen_replace_excursions():
     better = 0.9 * RULES["replaces_blocks"].value
     assert verdict(blocks=3, held_out={LAG: better}).word == "named"

@@ -20,6 +20,7 @@ from typing import Literal
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 
+LEAST_SUM = 1e-12  # of weights that are divided by
 VerdictWord = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
 
 
@@ -70,6 +71,7 @@ SENTENCES = {
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
     "not_borne_out": "Of the held-out runs' errors, the likeliest cause removes less than it leaves.",
     "left_over": "Beside the likeliest cause, errors go with a variable.",
+    "with_others": "The likeliest cause predicts the blocks only together with effects that remove too little.",
     "incomplete": "With the likeliest cause, the errors still go with the variable that it acts through.",
     "beside": "What is likely removes less of the error than it leaves.",
     "likely": "No other cause predicts the blocks as well.",
@@ -132,6 +134,18 @@ class VerdictEvidence:
             return min(sum(self.causes.get(p, 0.0) for p in parts), 1.0 - self.nothing)
         return sum(w for held, w in self.together.items() if not held.isdisjoint(parts))
 
+    def with_others(self, sure: Collection[Part], likely: Collection[Part]) -> float:
+        """The share of combinations with ``sure`` parts that hold an effect that is not ``likely`` to be told."""
+        held = [(parts, w) for parts, w in self.together.items() if not parts.isdisjoint(sure)]
+        untold = {
+            p
+            for p in self.causes
+            if p.kind == "effect" and p not in likely and self.size[p] >= self.least_size
+        }
+        return sum(w for parts, w in held if not parts.isdisjoint(untold)) / max(
+            sum(w for _, w in held), LEAST_SUM
+        )
+
     def refuted(self, part: Part) -> str:
         """How held-out runs speak against a cause, a key of ``SENTENCES``; "" if they do not."""
         if self.held_out.get(part, 0.0) > RULES["worse"].value:
@@ -179,6 +193,8 @@ def decide(e: VerdictEvidence) -> Verdict:
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
     sure = [p for p in effects if not doubts[p]]
+    if sure and e.with_others(sure, effects) > 1.0 - e.least_alone:
+        return _set(e, enough, "with_others")
     if sure:
         return Verdict("named", "likely", tuple(p.name for p in sure))
     return _set(e, enough, next((d for d in doubts.values() if d), e.refuted(enough[0])))
@@ -225,7 +241,12 @@ def _set(e: VerdictEvidence, enough: list[Part], doubt: str) -> Verdict:
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
-    if doubt in ("worse", "not_borne_out", "left_over") or not names or variables or e.any_of(kept) < least:
+    if (
+        doubt in ("worse", "not_borne_out", "left_over", "with_others")
+        or not names
+        or variables
+        or e.any_of(kept) < least
+    ):
         depends_on = variables[0] if variables else _likeliest_variable(e)
         return Verdict("unknown", doubt or ("shared" if names else "variable"), names, depends_on)
     if len(names) == 1:  # no set: what it acts through is all that these data say

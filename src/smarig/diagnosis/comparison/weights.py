@@ -19,6 +19,8 @@ from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, 
 PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR = 0.5, 0.4, 0.1
 PRIOR_VARIABLE = 0.1
 TEMPERATURE = 3.0  # readings of a block share errors of the model, so their scores count less
+# what the prior of a pair takes: less is no lead
+PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))
 DRAWS = 1000
 CREDIBLE = 0.95
 

@@ -19,7 +19,7 @@ from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, collinear, screened
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies, least_near
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
-from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
+from smarig.diagnosis.comparison.weights import PAIR_NATS
 from smarig.diagnosis.looks_like import acts_through
 
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
@@ -27,8 +27,6 @@ IMITATES = 0.5  # cos² of two traces
 ALWAYS = 3  # effects that are fitted, whatever their linear traces say
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 REFERENCES = 4  # densities of the best effect that priors are about, one after the other
-# what the prior of a pair takes: less is no lead
-PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))
 Progress = Callable[[str], None]
 FittedCause = tuple[ComparedHypothesis, FittedPlant]
 
@@ -93,7 +91,7 @@ def _first_fits(
     smooth = Discrepancies.about(subject, base)
     traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
-    by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
+    by_variable = smooth.hypotheses(VARIABLES)
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
     shown = [(s.part,) for s in weak[:FITTED]]
     known = [best] if best and best[0].parts not in shown else []

@@ -14,8 +14,8 @@ RANK_LENGTH = 0.15  # correlation length of other variables, in shares of their 
 SATURATED_SHARE = 0.02  # of the output's range: nearer to an end counts as saturated
 PLAUSIBLE_ROOM_K = 0.1  # most fluctuation of the room that is noise; more hides what has a cause
 SIZES = 10.0 ** np.linspace(-9, 1, 41)  # s², strokes² or K², tried while candidates are screened
-WALK = "walk"
-PLAIN = {WALK: "history", "branch": "history"}  # the variable that a verdict names
+WALK, HISTORY = "walk", "history"
+PLAIN = {WALK: HISTORY, "branch": HISTORY}  # the variable that a verdict names
 
 
 def falling(z: Array, length: float) -> Array:

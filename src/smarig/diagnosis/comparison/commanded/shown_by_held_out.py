@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
-from smarig.diagnosis.comparison.commanded.commanded_search import PAIR_NATS, VARIABLES
+from smarig.diagnosis.comparison.commanded.commanded_search import VARIABLES
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
+from smarig.diagnosis.comparison.weights import PAIR_NATS
 from smarig.record import Run
 from smarig.replay import build_timeline
 
@@ -18,6 +19,5 @@ def variable_of_all_runs(subject: CommandedProblem, runs: Sequence[Run]) -> str 
     timeline = build_timeline(list(runs), subject.given.actuator.tau_s)
     joint = CommandedProblem.of(timeline, subject.given, subject.catalogue)
     smooth = Discrepancies.about(joint, joint.base)
-    tried = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
-    best = max(tried, key=lambda h: h.score)
+    best = max(smooth.hypotheses(VARIABLES), key=lambda h: h.score)
     return best.parts[-1].name if best.score > joint.trial(joint.base).score + PAIR_NATS else None

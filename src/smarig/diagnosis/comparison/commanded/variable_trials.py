@@ -6,7 +6,7 @@ Places and lengths are the trials of a variable; their variances are the likelie
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import (
 )
 from smarig.diagnosis.comparison.commanded.discrepancy_kernels import Kernel, kernels, screened_kernels
 from smarig.diagnosis.comparison.commanded.kernel_shapes import (
+    HISTORY,
     PLAUSIBLE_ROOM_K,
     RANK_LENGTH,
     TIME_SHARES,
@@ -33,7 +34,9 @@ from smarig.diagnosis.comparison.commanded.kernel_shapes import (
     ranks,
 )
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.weights import PAIR_NATS
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings
+from smarig.diagnosis.refit.variance_components import ReadingCovariance
 
 CHANNEL_VARIABLES = ("time", "level")
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: what is farther will not become the best
@@ -42,6 +45,12 @@ NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: what is farther will not b
 def least_near(best: float) -> float:
     """The gain in nats from which on a hypothesis may become the best, which gains ``best`` now."""
     return best - NEAR_NATS - NEAR_SHARE * best
+
+
+def _also(alone: ComparedHypothesis, beside: ComparedHypothesis) -> ComparedHypothesis:
+    """A hypothesis with the trials of a pair beside its own, less what the prior of a pair takes."""
+    dearer = [replace(t, log_scores=t.log_scores - PAIR_NATS / t.log_scores.size) for t in beside.trials]
+    return replace(alone, trials=(*alone.trials, *dearer))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,24 +101,51 @@ class Discrepancies:
         """Nats that the likeliest kernel of a variable gains by screening."""
         return max(g for k, g in zip(self.kernels, self.gains.tolist()) if k.plain == variable)
 
+    def hypotheses(self, most: int) -> list[ComparedHypothesis]:
+        """The most promising variables.
+
+        Errors that follow the travel in any way predict whatever else has a wrong shape. Where they predict best, the
+        other variables are also tried beside them, for the price of a pair: one that still predicts is the cause.
+        """
+        found = [self.hypothesis(v) for v in self.variables[:most]]
+        best = max(found, key=lambda h: h.score)
+        if best.parts[-1].name != HISTORY:
+            return found
+        freest = self._beside(HISTORY, [v for v in self.variables[:most] if v != HISTORY])
+        return [h if h is best else _also(h, freest.hypothesis(h.parts[-1].name)) for h in found]
+
     def hypothesis(self, variable: str) -> ComparedHypothesis:
         """The fitted model with a dependence on a variable; the kernels that are about as promising are its trials."""
-        own = [j for j, k in enumerate(self.kernels) if k.plain == variable]
-        least = least_near(max(float(self.gains[own].max()), 0.0))
-        chosen = [j for j in sorted(own, key=lambda j: -self.gains[j]) if self.gains[j] >= least]
         channels = self._channels(variable)
-        trials = [self._trial(j, channels) for j in chosen]
+        trials = [self._trial(j, channels) for j in self._promising(variable)]
         parts = self.subject.parts(self.fitted)
         return ComparedHypothesis((*parts, Part("variable", variable)), tuple(trials))
+
+    def _promising(self, variable: str) -> list[int]:
+        """The kernels of a variable that are about as promising as its best, the best first."""
+        own = [j for j, k in enumerate(self.kernels) if k.plain == variable]
+        least = least_near(max(float(self.gains[own].max()), 0.0))
+        return [j for j in sorted(own, key=lambda j: -self.gains[j]) if self.gains[j] >= least]
+
+    def _beside(self, variable: str, others: Sequence[str]) -> "Discrepancies":
+        """The same about readings that depend on a variable as well, with the promising kernels of ``others``."""
+        covariance, components = self._likeliest(self._promising(variable)[0])
+        kept = tuple(self.kernels[j] for v in others for j in self._promising(v))
+        readings = replace(self.readings, covariance=covariance)
+        return replace(self, readings=readings, start=components, kernels=kept)
 
     def _trial(self, j: int, channels: tuple[Problem, ...]) -> Trial:
         found = trial_of(self.subject.timeline, (self._with(j), *channels), self.fitted.parameters)
         return less_optimism(found, self.fitted.effects, self.kernels[j].free)
 
-    def _with(self, j: int) -> Problem:
+    def _likeliest(self, j: int) -> tuple[ReadingCovariance, Array]:
+        """The covariance with a kernel, and its likeliest components."""
         found = self.readings.covariance.with_shape(self.kernels[j].shape())
         at, size = len(found.shapes) - 1, np.log10(self._screened[1][j])
-        _, components = found.likeliest_near(self.memory, np.insert(self.start, at, size))
+        return found, found.likeliest_near(self.memory, np.insert(self.start, at, size))[1]
+
+    def _with(self, j: int) -> Problem:
+        found, components = self._likeliest(j)
         C = found.covariance(self.memory, components)
         first = self.fitted.problems[0]
         return coupled_problem(self.subject.timeline, self.readings.covariance.y, first.scale, C, first.span)
