@@ -7,7 +7,14 @@ import pytest
 from click.testing import CliRunner
 
 from smarig.cli.commands.verify import command
-from smarig.identification import GOOD_RATIO, POOR_RATIO, error_verdict, study_sentences, verdict_sentences
+from smarig.identification import (
+    GOOD_RATIO,
+    POOR_RATIO,
+    AgainstCurves,
+    error_verdict,
+    study_sentences,
+    verdict_sentences,
+)
 from smarig.report.components.glossary import terms, terms_in
 
 PAGE = Path(__file__).parents[2] / "docs/reference/verdicts.md"
@@ -41,3 +48,11 @@ def test_the_glossary_of_pages_states_them_and_is_reached_from_a_verdict():
 )
 def test_levels_change_where_the_sentences_say(ratio, level):
     assert error_verdict(ratio, 1.0, 0.0).level == level
+
+
+@pytest.mark.parametrize(("gain", "level"), [(1.6, "good"), (1.3, "fair"), (1.1, "poor")])
+def test_a_study_compares_with_curves_even_at_the_noise_floor(gain, level):
+    assert "good only if the error of every simple curve is at least 1.5 ×" in plain(
+        PAGE.read_text(encoding="utf-8")
+    )
+    assert error_verdict(1.0, 1.0, 0.02, curves=AgainstCurves(gain)).level == level

@@ -16,7 +16,7 @@ Name it in a rig file in the same folder, for one or both of these roles:
     url = "tcp://HOST:PORT"          # the same: both roles share the line
 
 Then run: smarig check ./my_rig.toml --driver ./my_driver.py, and with --role encoder_daq. It checks each method on the
-instrument. The page "An own bench in ten minutes" goes on from here; smarig.device.roles.polled lists what each role
+instrument. The page "Your own bench in ten minutes" goes on from here; smarig.device.roles.polled lists what each role
 needs.
 
 An instrument without a lease keeps its current on when the host fails. Let it drive a wire only behind an independent
