@@ -137,12 +137,12 @@ class VerdictEvidence:
     def with_others(self, sure: Collection[Part], likely: Collection[Part]) -> float:
         """The share of combinations with ``sure`` parts that hold an effect that is not ``likely`` to be told."""
         held = [(parts, w) for parts, w in self.together.items() if not parts.isdisjoint(sure)]
-        untold = {
+        others = {
             p
             for p in self.causes
             if p.kind == "effect" and p not in likely and self.size[p] >= self.least_size
         }
-        return sum(w for parts, w in held if not parts.isdisjoint(untold)) / max(
+        return sum(w for parts, w in held if not parts.isdisjoint(others)) / max(
             sum(w for _, w in held), LEAST_SUM
         )
 

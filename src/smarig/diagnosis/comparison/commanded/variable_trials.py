@@ -47,9 +47,9 @@ def least_near(best: float) -> float:
     return best - NEAR_NATS - NEAR_SHARE * best
 
 
-def _also(alone: ComparedHypothesis, beside: ComparedHypothesis) -> ComparedHypothesis:
+def _also(alone: ComparedHypothesis, pair: ComparedHypothesis) -> ComparedHypothesis:
     """A hypothesis with the trials of a pair beside its own, less what the prior of a pair takes."""
-    dearer = [replace(t, log_scores=t.log_scores - PAIR_NATS / t.log_scores.size) for t in beside.trials]
+    dearer = [replace(t, log_scores=t.log_scores - PAIR_NATS / t.log_scores.size) for t in pair.trials]
     return replace(alone, trials=(*alone.trials, *dearer))
 
 
@@ -111,7 +111,7 @@ class Discrepancies:
         best = max(found, key=lambda h: h.score)
         if best.parts[-1].name != HISTORY:
             return found
-        freest = self._beside(HISTORY, [v for v in self.variables[:most] if v != HISTORY])
+        freest = self._with_variable(HISTORY, [v for v in self.variables[:most] if v != HISTORY])
         return [h if h is best else _also(h, freest.hypothesis(h.parts[-1].name)) for h in found]
 
     def hypothesis(self, variable: str) -> ComparedHypothesis:
@@ -127,7 +127,7 @@ class Discrepancies:
         least = least_near(max(float(self.gains[own].max()), 0.0))
         return [j for j in sorted(own, key=lambda j: -self.gains[j]) if self.gains[j] >= least]
 
-    def _beside(self, variable: str, others: Sequence[str]) -> "Discrepancies":
+    def _with_variable(self, variable: str, others: Sequence[str]) -> "Discrepancies":
         """The same about readings that depend on a variable as well, with the promising kernels of ``others``."""
         covariance, components = self._likeliest(self._promising(variable)[0])
         kept = tuple(self.kernels[j] for v in others for j in self._promising(v))
