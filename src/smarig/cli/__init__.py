@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
+from functools import partial
 from types import FrameType
 
 import click
@@ -91,7 +92,7 @@ def cli() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command and exit with its status (0, 2, 3, 4, 5 or 130; 1 for an internal error)."""
-    with forced_end(report_error):
+    with forced_end(partial(report_error, forced=True)):
         status = run(arguments)
         with _signals_without_effect():  # the command is finished and its status is final
             status = close_output(status)

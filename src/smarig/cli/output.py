@@ -6,6 +6,7 @@ import json
 import math
 import os
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,11 @@ from smarig.cli.working_line import without_line
 from smarig.core import StorageError, UsageError, printable
 
 LONGEST_RESULT = 1_000_000  # characters of a result as text
-_STATE = {"json": False, "printed": False}  # printed: the one object is out
+# printed: the one object is out; said: the command has printed an error; forced: its end was forced
+_STATE = {"json": False, "printed": False, "said": False, "forced": False}
+_error = (
+    threading.Lock()
+)  # held while an error is printed: the command and a forced end may print at the same time
 
 
 def json_option(command: Callable) -> Callable:
@@ -61,16 +66,20 @@ def json_requested() -> bool:
     return _STATE["json"]
 
 
-def report_error(sentence: str, status: int) -> int:
+def report_error(sentence: str, status: int, *, forced: bool = False) -> int:
     """Print an error on stderr, and as JSON on stdout with --json unless the result is there already; return the exit
-    status.
+    status. A forced end and the command itself do not both say how it ended: the first does.
     """
-    sentence = printable(sentence)
-    with contextlib.suppress(StorageError):  # stderr is closed: the exit status still shows the error
-        _print(f"smarig: {sentence}", err=True)
-    with contextlib.suppress(StorageError):
-        if (_STATE["json"] or "--json" in sys.argv) and not _STATE["printed"]:
-            _print(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
+    with _error:
+        if _STATE["forced"] or (forced and _STATE["said"]):
+            return status
+        _STATE["said"], _STATE["forced"] = True, forced
+        sentence = printable(sentence)
+        with contextlib.suppress(StorageError):  # stderr is closed: the exit status still shows the error
+            _print(f"smarig: {sentence}", err=True)
+        with contextlib.suppress(StorageError):
+            if (_STATE["json"] or "--json" in sys.argv) and not _STATE["printed"]:
+                _print(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
     return status
 
 

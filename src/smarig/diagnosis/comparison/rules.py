@@ -136,15 +136,10 @@ class VerdictEvidence:
 
     def with_others(self, sure: Collection[Part], likely: Collection[Part]) -> float:
         """The share of combinations with ``sure`` parts that hold an effect that is not ``likely`` to be told."""
-        held = [(parts, w) for parts, w in self.together.items() if not parts.isdisjoint(sure)]
-        others = {
-            p
-            for p in self.causes
-            if p.kind == "effect" and p not in likely and self.size[p] >= self.least_size
-        }
-        return sum(w for parts, w in held if not parts.isdisjoint(others)) / max(
-            sum(w for _, w in held), LEAST_SUM
-        )
+        held = {parts: w for parts, w in self.together.items() if not parts.isdisjoint(sure)}
+        effects = {p for p in self.causes if p.kind == "effect" and self.size[p] >= self.least_size}
+        with_others = sum(w for parts, w in held.items() if not parts.isdisjoint(effects.difference(likely)))
+        return with_others / max(sum(held.values()), LEAST_SUM)
 
     def refuted(self, part: Part) -> str:
         """How held-out runs speak against a cause, a key of ``SENTENCES``; "" if they do not."""
