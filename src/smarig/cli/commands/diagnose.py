@@ -81,15 +81,13 @@ def _taking_all_values(process: Any) -> Any:
     "--alpha",
     type=float,
     default=0.03,
-    show_default=True,
-    help="Without effect: no null data are drawn.",
+    hidden=True,  # accepted for scripts that give it; it has no effect
 )
 @click.option(
     "--nulls",
     type=int,
     default=400,
-    show_default=True,
-    help="Without effect: no null data are drawn.",
+    hidden=True,  # accepted for scripts that give it; it has no effect
 )
 @click.option(
     "--seed",
