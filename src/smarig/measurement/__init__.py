@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from smarig.measurement.input_record import InputRecord as InputRecord
     from smarig.measurement.input_record import cycles_before as cycles_before
     from smarig.measurement.input_record import dropouts as dropouts
+    from smarig.measurement.input_record import full_cycles_before as full_cycles_before
     from smarig.measurement.input_record import input_noise_sd as input_noise_sd
     from smarig.measurement.input_record import input_records as input_records
     from smarig.measurement.input_record import monotone_branches as monotone_branches

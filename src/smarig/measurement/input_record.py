@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,18 +22,28 @@ DROPOUT_SHARE = 0.005  # of the input's range: a smaller jump is none that a mem
 REVERSAL_SHARE = 0.01  # of the input's range: a smaller reversal is noise, too
 
 
+class Travel(NamedTuple):
+    """The travel of an input so far, in ``full_cycles``, and its ``widest`` branch."""
+
+    full_cycles: float
+    widest: float
+
+
+NO_TRAVEL = Travel(0.0, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class InputRecord:
     """The rows (n,) of one run in which input ``u`` and output ``y`` are known, in the run's units.
 
     ``t`` is the time in s, or the row number without a clock. ``cycle`` is the number of cycles of the input before
-    each row, continued over the runs of one list. ``conditions`` are the mean values recorded with the run, by name.
-    ``began`` is the time at which the record began, or the one that it continues. ``row`` are the rows of the run.
-    ``dropouts`` rows were left out because the input reads exactly 0 there, far from the rows around them.
-    ``continues``: the record starts in the final state of the one before it in its list. ``noise`` is the standard
-    deviation of the input's noise, None if it must be estimated; ``rounding`` is that of the output's rounding.
-    ``readings`` are the rows whose outputs are readings, None if all are. ``histories`` (n,) are conditions that change
-    over the record.
+    each row, continued over the runs of one list; ``travel`` is that of the input before this record. ``conditions``
+    are the mean values recorded with the run, by name. ``began`` is the time at which the record began, or the one that
+    it continues. ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0
+    there, far from the rows around them. ``continues``: the record starts in the final state of the one before it in
+    its list. ``noise`` is the standard deviation of the input's noise, None if it must be estimated; ``rounding`` is
+    that of the output's rounding. ``readings`` are the rows whose outputs are readings, None if all are. ``histories``
+    (n,) are conditions that change over the record.
     """
 
     name: str
@@ -51,6 +63,12 @@ class InputRecord:
     readings: Integers | None = None
     began: float | None = None
     histories: Mapping[str, Array] = field(default_factory=dict)
+    travel: Travel = NO_TRAVEL
+
+    @cached_property
+    def full_cycles(self) -> Array:
+        """Full cycles (n,) by the travel of the input before each row (``full_cycles_before``)."""
+        return full_cycles_before(self.u, self.travel)[0]
 
     def condition(self, name: str) -> Array:
         """The value of a condition at every row (n,). Raises KeyError if the record does not state it."""
@@ -69,7 +87,7 @@ class InputRecord:
 def input_records(runs: Sequence[Run]) -> list[InputRecord]:
     """The records of runs in the given order; runs without a row are left out."""
     found: list[InputRecord] = []
-    cycles = 0.0
+    cycles, travelled = 0.0, NO_TRAVEL
     before: Run | None = None
     for run in runs:
         u, y = run["input"], run["position"]
@@ -83,6 +101,8 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
         began, earlier = _earlier(run, found[-1] if continues and found else None, clock=clock)
         cycle = (cycles or earlier) + cycles_before(u[row])
         cycles = float(cycle[-1])
+        before_it = travelled if travelled != NO_TRAVEL else _travel_before(run)
+        travelled = full_cycles_before(u[row], before_it)[1]
         found.append(
             InputRecord(
                 name=run.name,
@@ -99,6 +119,7 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
                 continues=continues,
                 began=began,
                 rounding=rounding_sd(run),
+                travel=before_it,
             )
         )
         before = run
@@ -118,6 +139,14 @@ def _earlier(run: Run, before: InputRecord | None, *, clock: bool) -> tuple[floa
     )
     known = clock and began is not None and began <= run["t_s"][0]
     return began if known else None, max(cycles or 0.0, 0.0)
+
+
+def _travel_before(run: Run) -> Travel:
+    """The travel before a part of a run, as the run states it."""
+    stated = (run.meta.get("imported") or {}).get(CONTINUES_AT)
+    values = [stated.get(name) for name in Travel._fields] if isinstance(stated, Mapping) else []
+    known = [float(v) for v in values if isinstance(v, int | float) and np.isfinite(v) and v >= 0]
+    return Travel(*known) if len(known) == len(Travel._fields) else NO_TRAVEL
 
 
 def rounding_sd(run: Run) -> float:
@@ -200,6 +229,22 @@ def monotone_branches(u: Array, turns: Sequence[int]) -> Array:
     for a, b in pairwise(turns):
         found[a : b + 1] = isotonic_regression(u[a : b + 1], increasing=bool(u[b] > u[a])).x
     return found
+
+
+def full_cycles_before(u: Array, before: Travel = NO_TRAVEL) -> tuple[Array, Travel]:
+    """The travel of the input before each row (n,), over twice its widest branch so far; and that at the end.
+
+    A minor loop counts by its size, as what a wire keeps of it.
+
+    >>> full_cycles_before(np.array([0.0, 2.0, 1.0, 2.0, 0.0]))[0].tolist()
+    [0.0, 0.5, 0.75, 1.0, 1.5]
+    """
+    count, (at, widest) = np.full(u.size, before.full_cycles), before
+    for a, b in pairwise(reversals(u)):
+        widest = max(widest, abs(float(u[b] - u[a])))
+        count[a : b + 1] = at + np.abs(u[a : b + 1] - u[a]) / (2 * widest or 1.0)
+        at = float(count[b])
+    return count, Travel(at, widest)
 
 
 def cycles_before(u: Array) -> Array:

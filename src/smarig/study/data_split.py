@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import UsageError
-from smarig.measurement import CONTINUES_AT, cycles_before, dropouts
+from smarig.measurement import CONTINUES_AT, cycles_before, dropouts, full_cycles_before
 from smarig.record import CONTINUED, FORC_PROTOCOL, Run, load_run, write_run
 from smarig.replay import recorded_conditions
 from smarig.study.imported_runs import ImportedTable
@@ -218,8 +218,9 @@ def _part(run: Run, rows: np.ndarray, folder: Path, title: str, *, after: bool =
 
 def _so_far(run: Run, rows: np.ndarray) -> dict[str, float]:
     """When a run began, and its cycles before the part with these rows: clocks and counts go on over a split."""
-    before = np.isfinite(run["input"]) & ~rows
-    found = {"cycles": float(cycles_before(run["input"][before])[-1]) if before.any() else 0.0}
+    before = run["input"][np.isfinite(run["input"]) & ~rows]
+    travel = full_cycles_before(before)[1]
+    found = {"cycles": float(cycles_before(before)[-1]) if before.size else 0.0} | travel._asdict()
     return found | ({"began_s": float(run["t_s"][0])} if run.has("t_s") else {})
 
 

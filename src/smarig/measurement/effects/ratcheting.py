@@ -1,6 +1,6 @@
-"""Each cycle leaves a strain behind, less in every cycle, as in training.
+"""Each cycle leaves a strain behind, the same in each or ever less, as in training.
 
-y ← y + b (1 − exp(−N/N₀)),    N: cycles so far
+y ← y + b (1 − exp(−N/N₀)),    N: full cycles so far, by travel; N₀ ≫ N: the same in every cycle
 """
 
 from collections.abc import Sequence
@@ -27,17 +27,17 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
     cycles = max((float(r.cycle[-1]) for r in records), default=0.0)
     if cycles < FEWEST_CYCLES:
         return None
-    return (SearchedParameter("cycles", "1", tuple((cycles * TRIED_SHARES).tolist())),)
+    return (SearchedParameter("cycles", "1", tuple((cycles * TRIED_SHARES).tolist()), open_above=True),)
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
-    return RecordChange(record.u, (1 - np.exp(-record.cycle / p["cycles"]))[:, None])
+    return RecordChange(record.u, -np.expm1(-record.full_cycles / p["cycles"])[:, None])
 
 
 ratcheting = MeasurementEffectType(
     name="ratcheting",
-    summary="Each cycle leaves an output behind, less in every cycle.",
-    looks_like="loops do not close; each is shifted against the one before, by less and less",
+    summary="Each cycle leaves an output behind, the same in each or ever less.",
+    looks_like="loops do not close; each is shifted against the one before, by cycle and not by time",
     confused_with=("walking", "training"),
     separated_by="a rest of an hour: ratcheting stops, drift does not",
     depends_on=("cycle", "time"),

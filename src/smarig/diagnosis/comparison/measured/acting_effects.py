@@ -99,11 +99,7 @@ def testable_effects(problem: ReadingProblem) -> list[tuple[MeasurementEffectTyp
 
 
 def _tries(kind: MeasurementEffectType, records: Sequence[InputRecord]) -> Tries:
-    found = {p.name: p.tries for p in kind.parameters(records) or ()}
-    if "cycles" in found:  # a ratcheting that does not slow down within the record is a drift
-        most = max(float(r.cycle[-1]) for r in records)
-        found["cycles"] = tuple(t for t in found["cycles"] if t <= most)
-    return found
+    return {p.name: p.tries for p in kind.parameters(records) or ()}
 
 
 def _lags(problem: ReadingProblem, records: Sequence[InputRecord]) -> Tries:

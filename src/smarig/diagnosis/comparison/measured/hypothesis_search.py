@@ -13,7 +13,12 @@ from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, 
 from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
 from smarig.diagnosis.comparison.measured.additions import Addition, KeptAddition, SearchBasis
 from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
-from smarig.measurement import LearnedTerm, MeasurementEffect, MeasurementEffectType
+from smarig.measurement import (
+    LearnedTerm,
+    MeasurementEffect,
+    MeasurementEffectType,
+    measurement_effect_types,
+)
 
 FIT_STEPS = 12  # iterations of the sizes
 KEPT = 3  # values of a parameter whose sizes are fitted
@@ -237,15 +242,25 @@ def _with_laws(
     search: Search, variables: list[ComparedHypothesis], others: list[ComparedHypothesis], law_of: LawOf
 ) -> list[ComparedHypothesis]:
     """The hypotheses of variables; those that predict better than all others also with a law that moves the input, for
-    to first order a large shift is described badly.
+    to first order a large shift is described badly. So are those that the best effect acts through: it would win for
+    being exact.
     """
-    least = max(h.score for h in others) + WORTH_A_PAIR
+    nothing, best = others[0].score, max(others, key=lambda h: h.score)
+    least = best.score + WORTH_A_PAIR
+    rivals = _acts_through(best) if best.score > nothing + WORTH_A_PAIR else ()
     found = []
     for hypothesis in variables:
-        law = law_of(hypothesis.parts[0].name) if hypothesis.score > least else None
+        name = hypothesis.parts[0].name
+        law = law_of(name) if hypothesis.score > least or name in rivals else None
         moves = law is not None and law.enters == "input"
         found.append(search.with_law(hypothesis, law) if law is not None and moves else hypothesis)
     return found
+
+
+def _acts_through(hypothesis: ComparedHypothesis) -> tuple[str, ...]:
+    """The variables of the effects of a hypothesis."""
+    names = {p.name for p in hypothesis.parts}
+    return tuple(v for k in measurement_effect_types() if k.name in names for v in k.depends_on)
 
 
 def _kinds(effects: Sequence[tuple[MeasurementEffectType, Tries]]) -> list[MeasurementEffectType]:
