@@ -37,6 +37,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
         thousands=f.thousands,
         header_line=f.header_line,
         units_rows=f.units_rows,
+        interruptions=f.interruptions,
         clock=mapping.time.column if mapping.time and mapping.time.written == "clock" else "",
         text=tuple(mapping.ignore),
     )

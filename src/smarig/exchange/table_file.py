@@ -51,7 +51,12 @@ def read_table(path: Path, layout: TableLayout) -> Table:
 
 
 def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
-    if layout.header_starts or layout.clock or path.stat().st_size > text_table.MAX_BYTES:
+    if (
+        layout.header_starts
+        or layout.clock
+        or layout.interruptions != "refuse"
+        or path.stat().st_size > text_table.MAX_BYTES
+    ):
         raise _UnusualError
     with path.open("rb") as file:
         head = _head(path, file, layout)

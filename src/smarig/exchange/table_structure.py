@@ -6,12 +6,13 @@ Names and units may be divided by another sign than the numbers: what counts is 
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarig.exchange.cell_values import is_missing, is_number
 from smarig.exchange.clock_cells import clock_seconds
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
 from smarig.exchange.header_words import has_bracketed_units, with_brackets_joined, words_below
+from smarig.exchange.interruptions import names_columns
 from smarig.exchange.text_table import HEADER_WITHIN
 from smarig.exchange.written_units import is_unit, is_units_row, without_markup
 
@@ -47,8 +48,8 @@ class FoundBlock:
 
     ``names`` are unique; ``own_names`` says that they differ from the cells of the header. ``units`` are the cells of
     a row of units, "" where there is none, ``constants`` the numbers there by name ("Increment" of an oscilloscope),
-    and ``comments`` those of the rows below it. ``kinds`` are those of the columns. ``header`` counts equal headers
-    before.
+    and ``comments`` those of the rows below it. ``kinds`` are those of the columns. ``breaks`` are the first rows after
+    lines of text between the rows.
     """
 
     header: int | None
@@ -60,6 +61,7 @@ class FoundBlock:
     own_names: bool
     comments: tuple[str, ...] = ()
     constants: tuple[tuple[str, str], ...] = ()
+    breaks: tuple[int, ...] = ()
 
 
 def find_blocks(
@@ -73,15 +75,23 @@ def find_blocks(
     start = kinds.index("data") if "data" in kinds else 0
     titles = {tuple(row) for row in rows[:start] if row}
     runs: list[list[int]] = []
+    breaks: list[int] = []
     for k, kind in enumerate(kinds):
         if kind != "data":
             continue
         if runs and _joined(rows, kinds, runs[-1][1], k, titles):
             runs[-1][1] = k + 1
+        elif runs and lines and _goes_on(rows, lines, runs[-1][1], k, style):
+            runs[-1][1] = k + 1
+            breaks.append(k)
         else:
             runs.append([k, k + 1])
     found = [_block(rows, kinds, a, b, style, lines) for a, b in runs]
-    return [block for block in found if block is not None]
+    return [
+        replace(block, breaks=tuple(k for k in breaks if block.first < k < block.stop))
+        for block in found
+        if block is not None
+    ]
 
 
 def _row_kind(row: Sequence[str], style: NumberStyle) -> str:
@@ -141,6 +151,17 @@ def _joined(
     return all(tuple(rows[i]) in titles for i in between)
 
 
+def _goes_on(
+    rows: Sequence[Sequence[str]], lines: Sequence[str], end: int, k: int, style: NumberStyle
+) -> bool:
+    """Whether row ``k`` has the columns of the rows before ``end``, and the lines between both name no others."""
+    before, row = rows[end - 1], rows[k]
+    if len(before) != len(row) or len(row) < 2:
+        return False
+    same = all((style.kind(a) == TEXT) == (style.kind(b) == TEXT) for a, b in zip(before, row))
+    return same and not any(names_columns(rows[i], lines[i], len(row)) for i in range(end, k) if rows[i])
+
+
 def _block(
     rows: Sequence[Sequence[str]],
     kinds: Sequence[str],
@@ -181,8 +202,10 @@ def _block(
 
 
 def _comments(rows: Sequence[Sequence[str]], width: int) -> tuple[str, ...]:
-    """What rows below the units say of each column; a row of one cell is a title, and says nothing of a column."""
-    cells = [[*row, *[""] * width][:width] for row in rows if len(row) > 1]
+    """What rows below the units say of each column; a row of one cell, or of more words than there are columns, is a
+    title, and says nothing of a column.
+    """
+    cells = [[*row, *[""] * width][:width] for row in rows if 1 < len(row) <= width]
     return tuple(without_markup(" ".join(filter(None, column))) for column in zip(*cells))
 
 

@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from smarig.core import DataError
 from smarig.exchange.cell_values import has_thousands
@@ -64,17 +66,29 @@ def text_tables(path: Path) -> list[FoundTable]:
             f"{path} holds no table: it has no {FEWEST_ROWS} lines that are mostly numbers, two or more. "
             "Give a file of measured columns."
         )
-    found, refused = [], None
+    found: list[FoundTable] = []
+    left_out: dict[str, str] = {}
+    refused = None
     for block in blocks:
         try:
             table = _table(path, lines, dialect, block, blocks)
         except DataError as error:  # a list of segments, for example, before the readings
             refused = refused or error
+            left_out[_lines_of(block)] = str(error)
             continue
-        found += [table] if table is not None else []
+        if table is None:
+            left_out[_lines_of(block)] = (
+                "no names of columns stand above these rows, and another table stands before them"
+            )
+        else:
+            found.append(table)
     if refused is not None and not found:
         raise refused
-    return found
+    return [replace(found[0], left_out=left_out), *found[1:]]
+
+
+def _lines_of(block: FoundBlock) -> str:
+    return f"lines {block.first + 1} to {block.stop}"
 
 
 def _blocks(lines: Sequence[str], dialect: _Dialect) -> list[FoundBlock]:
@@ -159,6 +173,7 @@ def _table(
         thousands=dialect.style.thousands,
         header_line=entries.get("header_line", 0),
         units_rows=entries.get("units_rows", 0),
+        interruptions=entries.get("interruptions", "refuse"),
         clock=clock,
         text=tuple(name for name, kind in kinds.items() if kind != "number" and name != clock),
     )
@@ -179,6 +194,7 @@ def _table(
         ),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]) | dict(block.constants),
+        breaks=tuple(np.searchsorted(table.line, [k + 1 for k in block.breaks]).tolist()),
     )
 
 
@@ -200,6 +216,8 @@ def _entries(
 ) -> dict | None:
     """The [file] table of a mapping; None for a further table without a header, which no mapping can describe."""
     entries: dict = {"delimiter": dialect.delimiter}
+    if block.breaks:
+        entries["interruptions"] = "leave out"
     if dialect.style.decimal != ".":
         entries["decimal"] = dialect.style.decimal
     if dialect.style.thousands:
@@ -207,7 +225,11 @@ def _entries(
     if block.header is None:
         return entries | {"names": list(block.names)} if block is blocks[0] else None
     if len(blocks) > 1:
-        if block is blocks[-1] and any(not lines[k].strip() for k in range(block.first, block.stop)):
+        if (
+            block is blocks[-1]
+            and not block.breaks
+            and any(not lines[k].strip() for k in range(block.first, block.stop))
+        ):
             return entries | _at_line(block)  # segments with blank lines between them, up to the end
         if block.own_names:
             return None if block is not blocks[0] else entries | _at_line(block)

@@ -17,9 +17,10 @@ from smarig.exchange.cell_values import is_number, number_column
 from smarig.exchange.channel_rows import channel_rows
 from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.eight_bit_text import eight_bit_text
+from smarig.exchange.interruptions import interruption_notes
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
-from smarig.exchange.table_rows import cells, footer_start, split
+from smarig.exchange.table_rows import cells, footer_start, split, without_interruptions
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
@@ -34,6 +35,7 @@ class TableLayout:
 
     ``header_line`` is its line, from 1, where its columns do not identify it; ``units_rows`` rows under it are skipped.
     ``tables`` from the ``table``-th on are one record (0: all to the end).
+    ``interruptions``: "leave out" for lines of text between the rows, which are an error otherwise.
     ``clock`` is a column of clock times; cells of ``text`` columns that are no numbers are NaN.
     """
 
@@ -47,6 +49,7 @@ class TableLayout:
     thousands: str = ""
     header_line: int = 0
     units_rows: int = 0
+    interruptions: str = "refuse"
     clock: str = ""
     text: tuple[str, ...] = ()
 
@@ -130,6 +133,11 @@ def _table(
             f"The lines from {end + 1 - added} on ({shown(lines[end].strip(), 40)}) stand after the table."
         )
         lines = lines[:end]
+    if layout.interruptions == "leave out":
+        lines, between = without_interruptions(
+            lines, first, len(names), delimiter, layout, ends=bool(layout.header_starts)
+        )
+        notes += interruption_notes(between)
     rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts), again)
     starts = _further_tables(path, lines, layout)
     for later in starts:

@@ -79,6 +79,7 @@ def _tables(files: Sequence[Path]) -> tuple[list[FoundTable], dict[str, str]]:
             continue
         for table in found:
             taken |= {path.resolve() for path in table.with_files}
+            left_out |= {f"{file.name} {part}": reason for part, reason in table.left_out.items()}
         tables += joined_blocks(found)
     if not tables:
         raise DataError("None of these files holds a table: " + " ".join(left_out.values()))
