@@ -34,7 +34,8 @@ class FoundTable:
 
     ``format`` is the reader that reads it, ``name`` tells it from others in the same file ("" if it is alone), and
     ``header`` are keys and values that stand before it. ``with_files`` are further files that belong to it.
-    ``breaks`` are the rows, from 0, above which lines of text stand, as titles of segments. ``left_out`` are rows of
+    ``above`` are the cells of the rows above the names, the nearest first, as titles of groups of columns. ``breaks``
+    are the rows, from 0, above which lines of text stand, as titles of segments. ``left_out`` are rows of
     the file that are in none of its tables, by their lines, each with the reason.
     """
 
@@ -45,6 +46,7 @@ class FoundTable:
     layout: dict[str, dict[str, Any]]
     header: dict[str, str]
     with_files: tuple[Path, ...] = ()
+    above: tuple[tuple[str, ...], ...] = ()
     breaks: tuple[int, ...] = ()
     left_out: dict[str, str] = field(default_factory=dict)
 

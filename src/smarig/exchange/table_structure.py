@@ -94,6 +94,13 @@ def find_blocks(
     ]
 
 
+def rows_above(before: Sequence[Sequence[str]], block: FoundBlock) -> tuple[tuple[str, ...], ...]:
+    """The cells of the rows above the names of a table, the nearest first, each as wide as the table."""
+    width = len(block.names)
+    near = [row for row in before[::-1][:_HEADER_ROWS] if 1 < len(row) <= width]
+    return tuple((*row, *[""] * (width - len(row))) for row in near)
+
+
 def _row_kind(row: Sequence[str], style: NumberStyle) -> str:
     """ "data" for a row that holds mostly numbers, "text", or "blank"."""
     filled = [style.kind(cell) if cell else "" for cell in row]

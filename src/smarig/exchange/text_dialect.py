@@ -14,7 +14,7 @@ from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.table_file import read_table
 from smarig.exchange.table_rows import split
-from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks
+from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import (
     DELIMITERS,
     HEADER_WITHIN,
@@ -194,6 +194,7 @@ def _table(
         ),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]) | dict(block.constants),
+        above=rows_above(dialect.rows(before), block),
         breaks=tuple(np.searchsorted(table.line, [k + 1 for k in block.breaks]).tolist()),
     )
 

@@ -282,7 +282,7 @@ def _further_roles(
             holds_still(c)
             and c.quantity in (q.STRESS, q.FORCE)
             and c.quantity_confidence >= WEAK
-            and _new(c, columns)
+            and _new(c, columns, roles)
         ):
             roles[c.name] = Role(
                 "condition", f"{c.quantity}, nearly constant: {c.quantity_reason}", c.quantity_confidence
@@ -291,8 +291,11 @@ def _further_roles(
             roles[c.name] = Role("ignored", _unused(c, out), LIKELY)
 
 
-def _new(c: ColumnGuess, columns: Sequence[ColumnGuess]) -> bool:
-    """Whether a condition says more than a stress that is one already."""
+def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role]) -> bool:
+    """Whether a condition says more than a stress, or a column of its quantity, that is one already."""
+    known = [g for g in columns if g.name in roles and roles[g.name].role == "condition"]
+    if any(g.quantity == c.quantity for g in known):
+        return False
     stress = next((g for g in columns if g.quantity == q.STRESS and holds_still(g)), None)
     return c.quantity == q.STRESS or stress is None
 
