@@ -9,20 +9,20 @@ import numpy as np
 
 from smarig.core import DataError
 from smarig.exchange.cell_values import has_thousands
-from smarig.exchange.channel_rows import channel_rows, check_one_channel
+from smarig.exchange.channel_rows import check_one_channel
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
-from smarig.exchange.logged_rows import logged_rows
+from smarig.exchange.json_document import no_table_in
 from smarig.exchange.table_file import read_table
 from smarig.exchange.table_rows import split
 from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import (
     DELIMITERS,
     HEADER_WITHIN,
-    MAX_LINE,
     TableLayout,
-    check_lines,
+    long_cells_refused,
     preamble_keys,
     read_text,
+    table_lines,
 )
 from smarig.exchange.unit_systems import units_of_system
 from smarig.exchange.written_units import known_unit
@@ -56,9 +56,17 @@ class _Dialect:
 def text_tables(path: Path) -> list[FoundTable]:
     """The tables of a text file, in order; DataError if it holds none."""
     text, _ = read_text(path)
-    lines = text.splitlines()
-    check_lines(path, lines, MAX_LINE)
-    lines = channel_rows(logged_rows(lines).lines).lines
+    try:
+        with long_cells_refused(path):
+            return _found_tables(path, table_lines(path, text).lines)
+    except DataError:
+        if why := no_table_in(text):
+            raise DataError(f"{path} holds no table. {why}") from None
+        raise
+
+
+def _found_tables(path: Path, lines: Sequence[str]) -> list[FoundTable]:
+    """The tables in lines of text; DataError if there is none."""
     dialect = _chosen(lines)
     blocks = _blocks(lines, dialect) if dialect else []
     if not dialect or not blocks:

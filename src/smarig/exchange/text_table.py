@@ -5,7 +5,8 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 
 import csv
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from smarig.exchange.channel_rows import channel_rows
 from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.eight_bit_text import eight_bit_text
 from smarig.exchange.interruptions import interruption_notes
-from smarig.exchange.logged_rows import logged_rows
+from smarig.exchange.json_document import json_document
+from smarig.exchange.logged_rows import LoggedRows, logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
 from smarig.exchange.table_rows import cells, footer_start, split, without_interruptions
 
@@ -88,17 +90,31 @@ class Table:
 def read_whole_table(path: Path, layout: TableLayout) -> Table:
     """Read a text table at once; UsageError if there is no file, DataError with the line if it is not a table."""
     text, notes = read_text(path)
-    lines = text.splitlines()
-    check_lines(path, lines, MAX_LINE)
-    log = logged_rows(lines)
+    with long_cells_refused(path):
+        log = table_lines(path, text)
+        return _table(path, text, log.lines, [*notes, *log.notes], layout, log.added)
+
+
+@contextmanager
+def long_cells_refused(path: Path) -> Iterator[None]:
+    """Turn the error of a cell in quotes that does not end into a DataError."""
     try:
-        by_scan = channel_rows(log.lines)
-        notes = [*notes, *log.notes, *by_scan.notes]
-        return _table(path, text, by_scan.lines, notes, layout, log.added)
+        yield
     except csv.Error:
         raise DataError(
             f"{path}: a cell in quotes has more than {csv.field_size_limit()} characters. Check its quotation marks."
         ) from None
+
+
+def table_lines(path: Path, text: str) -> LoggedRows:
+    """The lines of a text as those of tables, whatever stands for rows; DataError for a line that is too long."""
+    if document := json_document(text):
+        return LoggedRows(*document)
+    lines = text.splitlines()
+    check_lines(path, lines, MAX_LINE)
+    log = logged_rows(lines)
+    by_scan = channel_rows(log.lines)
+    return LoggedRows(by_scan.lines, (*log.notes, *by_scan.notes), log.added)
 
 
 def check_lines(path: Path, lines: Sequence[str], longest: int) -> None:
