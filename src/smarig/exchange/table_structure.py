@@ -359,7 +359,11 @@ def _unbracketed(cell: str) -> str:
 
 
 def _column_kind(cells: Sequence[str], style: NumberStyle) -> str:
-    """The kind of a column: that of most of its cells that are not missing."""
+    """The kind of a column: that of most of its cells that are not missing. A column that is blank, as that of
+    comments, may hold a text further down.
+    """
+    if cells and not any(cells):
+        return TEXT
     found = Counter(style.kind(cell) for cell in [cell for cell in cells if not is_missing(cell)][:5000])
     if not found:
         return NUMBER

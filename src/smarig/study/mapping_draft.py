@@ -15,7 +15,7 @@ from smarig.study.table_guess import TableGuess
 _STORED = {"length": "mm", "temperature": "degC", "ratio": "mm/mm"}  # units in which outputs are stored
 _HEAT_FLOWS = {"heat flow": "W/g", "power": "mW"}
 _CHANNELS = {q.TEMPERATURE: "temperature_degC", q.CURRENT: "current_A"}
-_CONDITIONS = {q.STRESS: "stress", q.FORCE: "load"}
+_CONDITIONS = {q.STRESS: "stress", q.FORCE: "load", q.FIELD: "magnetic_field"}
 _HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
 _UNUSED = ("ignored", "elsewhere")  # roles of columns that are not imported
 _KEY_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]")
@@ -41,6 +41,7 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
         lines += ['written = "clock"'] if time.facts.kind == "clock" else [f"unit = {_s(time.unit or 's')}"]
         for part in guess.of_role("fraction"):
             lines += [f"fraction = {_s(part.name)}" + _why(guess, part), f"fraction_unit = {_s(part.unit)}"]
+        lines += ['empty = "leave out"     # rows without a time'] if time.facts.missing else []
         lines += ['restarts = "join"     # a log that was resumed'] if time.facts.restarts else []
         repeats = _repeats(time) and not guess.of_role("fraction")
         lines += ['repeated = "mean"     # several rows have the same time'] if repeats else []

@@ -205,7 +205,8 @@ def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | 
 
 def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
     """The clock: a column of times that never runs backwards, or that a resumed log starts again from its beginning."""
-    times = [c for c in columns if c.quantity == q.TIME and not c.facts.missing]
+    times = [c for c in columns if c.quantity == q.TIME and 2 * c.facts.missing < c.facts.values.size]
+    times.sort(key=lambda c: c.facts.missing > 0)  # rows without a time are left out
     resumed = [c for c in times if c.facts.restarts and c.facts.kind != "clock" and not c.by_numbers]
     first = next((c for c in times if c.facts.rising), next(iter(resumed), None))
     return next((c for c in times if first is not None and _is_finer(c, first)), first)
@@ -215,6 +216,8 @@ def _is_finer(c: ColumnGuess, clock: ColumnGuess) -> bool:
     """Whether a time is that of a clock of whole seconds, but finer: they agree within a second, as rounding does."""
     if (
         clock.facts.kind != "clock"
+        or clock.facts.missing
+        or c.facts.missing
         or not clock.facts.whole
         or not c.facts.rising
         or dimension(c.unit) != "time"
@@ -280,7 +283,7 @@ def _further_roles(
             roles[c.name] = _second_role(second, c, drive)
         elif (
             holds_still(c)
-            and c.quantity in (q.STRESS, q.FORCE)
+            and c.quantity in q.LOADS
             and c.quantity_confidence >= WEAK
             and _new(c, columns, roles)
         ):
@@ -296,6 +299,8 @@ def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role])
     known = [g for g in columns if g.name in roles and roles[g.name].role == "condition"]
     if any(g.quantity == c.quantity for g in known):
         return False
+    if c.quantity == q.FIELD:
+        return True
     stress = next((g for g in columns if g.quantity == q.STRESS and holds_still(g)), None)
     return c.quantity == q.STRESS or stress is None
 
@@ -320,6 +325,8 @@ def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
     if c.quantity in q.NO_SIGNALS[1:]:
         return f"{c.quantity}: {c.quantity_reason}"
+    if c.quantity == q.TIME:
+        return "another time" if c.facts.rising else "a time that runs backwards, so it is no clock"
     if out is not None and c.quantity == out.quantity:
         return f"another {c.quantity} than the output {shown(out.name)}"
     if c.commanded and c.quantity == q.TEMPERATURE:
