@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
@@ -10,6 +11,9 @@ from smarig.core import DataError
 from smarig.exchange.cell_values import is_missing, is_number
 from smarig.exchange.clock_cells import clock_seconds
 from smarig.exchange.interruptions import names_columns
+
+_MAY_BE_PADDED = re.compile(r"[+-] ")
+_PADDED = re.compile(r"^([+-])\s+(?=[\d.,])")  # a number whose sign and digits are aligned
 
 
 class Signs(Protocol):
@@ -23,7 +27,11 @@ class Signs(Protocol):
 
 
 def split(line: str, delimiter: str | None) -> list[str]:
-    """The cells of a line, stripped of blanks and quotes, without trailing empty cells."""
+    """The cells of a line, stripped of blanks and quotes, without trailing empty cells.
+
+    >>> split("+   20.1;-  0.5 ;", ";")
+    ['+20.1', '-0.5']
+    """
     if delimiter is None:
         cells = line.split()
     elif '"' in line:
@@ -31,6 +39,8 @@ def split(line: str, delimiter: str | None) -> list[str]:
     else:
         cells = line.split(delimiter)
     cells = [cell.strip() for cell in cells]
+    if delimiter is not None and _MAY_BE_PADDED.search(line):
+        cells = [_PADDED.sub(r"\1", cell) for cell in cells]
     while cells and not cells[-1]:
         cells.pop()
     return cells

@@ -186,7 +186,7 @@ def _block(
     above = _header_cells(rows, kinds, first, width, style, lines)
     rows = [above.get(k, row) for k, row in enumerate(rows)]
     columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(width))
-    header, unit_row = _header_rows(rows, kinds, first, columns)
+    header, unit_row = _header_rows(rows, kinds, first, columns, style)
     end, listed = _listed_names(rows, first, lines, width, style)
     if listed and (header is None or header < end):  # a header below the list counts
         names = _names(listed, width)[0]
@@ -266,9 +266,16 @@ def _words(
 
 
 def _header_rows(
-    rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, columns: Sequence[str]
+    rows: Sequence[Sequence[str]],
+    kinds: Sequence[str],
+    first: int,
+    columns: Sequence[str],
+    style: NumberStyle,
 ) -> tuple[int | None, int | None]:
-    """The row of names and the row of units above the first row of numbers; ``columns``: the kinds of the columns."""
+    """The row of names and the row of units above the first row of numbers; ``columns``: the kinds of the columns.
+
+    A row that names each column counts more than a nearer one that leaves columns out or calls several the same.
+    """
     width = len(columns)
     above: list[int] = []
     for k in range(first - 1, max(first - 2 - _HEADER_ROWS, -1), -1):
@@ -286,9 +293,20 @@ def _header_rows(
     named = [k for k in wide if has_bracketed_units(rows[k])]
     if named and named[0] != wide[0] and not is_units_row(rows[wide[0]]):
         return named[0], None  # what stands below the names describes the channels
+    complete = [k for k in wide if _names_each(rows[k], width, style) and "blank" not in kinds[k:first]]
+    if complete and not _names_each(rows[wide[0]][:width], width, style):
+        units = [sum(map(bool, _units_in(rows[k], columns))) for k in complete]
+        named = complete[1] if complete[1:] == [complete[0] - 1] and units[0] > units[1] else complete[0]
+        return named, named + 1 if any(_units_in(rows[named + 1], columns)) else None
     if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
         return wide[1], wide[0]
     return wide[0], None
+
+
+def _names_each(row: Sequence[str], width: int, style: NumberStyle) -> bool:
+    """Whether a row has a word of its own for each column, that is no number and no unit."""
+    words = len(row) == width == len(set(row)) and all(row)
+    return words and not is_units_row(row) and all(style.kind(cell) == TEXT for cell in row)
 
 
 def _listed_names(

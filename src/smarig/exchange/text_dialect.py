@@ -152,7 +152,8 @@ def _rating(dialect: _Dialect, sample: Sequence[str]) -> float:
     for block in find_blocks(rows, dialect.style):
         for row in rows[block.first : block.stop]:
             kinds = [dialect.style.kind(cell) for cell in row if cell]
-            total += sum(1.0 if kind != TEXT else -0.6 for kind in kinds)
+            signs = sum(cell in ("+", "-") for cell in row)  # of numbers that this delimiter cuts in two
+            total += sum(1.0 if kind != TEXT else -0.6 for kind in kinds) - signs
     return total
 
 

@@ -4,6 +4,7 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 """
 
 import csv
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -27,6 +28,8 @@ from smarig.exchange.table_rows import cells, footer_start, split, without_inter
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
 MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
+_PLUS_APART = re.compile(r"(?<!\S)\+ +(?=[\d.])")
+_SIGN_APART = re.compile(r"(?<!\S)([+-]) +(?=[\d.])")
 HEADER_WITHIN = 200  # lines searched for the header
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
 
@@ -112,6 +115,8 @@ def table_lines(path: Path, text: str) -> LoggedRows:
         return LoggedRows(*document)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
+    if any(map(_PLUS_APART.search, lines)):  # nobody writes a plus for a missing value
+        lines = [_SIGN_APART.sub(r"\1", line) for line in lines]
     log = logged_rows(lines)
     by_scan = channel_rows(log.lines)
     return LoggedRows(by_scan.lines, (*log.notes, *by_scan.notes), log.added)
