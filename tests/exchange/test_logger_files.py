@@ -60,6 +60,12 @@ def test_a_sign_apart_from_its_digits_belongs_to_the_number(tmp_path, delimiter)
     np.testing.assert_array_equal(table.columns[2].values, X)
 
 
+def test_a_minus_apart_is_no_column_of_blanks(tmp_path):
+    rows = [f"{k}\t{padded(T[k] - 50, 1)}\t{padded(X[k] - 2, 4)}" for k in range(60)]
+    table = found(tmp_path, ["n\tTemp (degC)\tStroke (mm)", *rows], "a.txt")
+    np.testing.assert_allclose(table.columns[1].values, T - 50)
+
+
 def test_a_minus_alone_stays_a_missing_value(tmp_path):
     rows = [f"{k} {T[k]} {'-' if k == 7 else X[k]}" for k in range(60)]
     table = found(tmp_path, ["n T x", *rows], "a.txt")

@@ -188,7 +188,9 @@ def _block(
     columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(width))
     header, unit_row = _header_rows(rows, kinds, first, columns, style)
     end, listed = _listed_names(rows, first, lines, width, style)
-    if listed and (header is None or header < end):  # a header below the list counts
+    stated = listed and has_bracketed_units(listed)
+    plain = header is not None and (not stated or _names_each(rows[header], width, style))
+    if listed and (header is None or header < end or not plain):  # a header below the list counts
         names = _names(listed, width)[0]
         return FoundBlock(None, first, stop, names, ("",) * width, columns, True)
     written = list(rows[header]) if header is not None else []
@@ -289,7 +291,8 @@ def _header_rows(
     for k, before in zip(wide, wide[1:]):
         near = all(kinds[i] == "blank" for i in range(before + 1, k))
         if near and is_units_row(rows[k]) and not is_units_row(rows[before]):
-            return before, k
+            each = next((i for i in wide if i <= before and _names_each(rows[i], width, style)), before)
+            return (each if "blank" not in kinds[each:before] else before), k
     named = [k for k in wide if has_bracketed_units(rows[k])]
     if named and named[0] != wide[0] and not is_units_row(rows[wide[0]]):
         return named[0], None  # what stands below the names describes the channels
@@ -318,12 +321,14 @@ def _listed_names(
     begin = max(first - HEADER_WITHIN, 0)
     texts = [lines[k] if lines else "\t".join(rows[k]) for k in range(begin, first)]
     found = [_LISTED.fullmatch(_COMMENT.sub("", text).strip()) for text in texts]
+    lists: list[tuple[int, list[str]]] = []
     for last in range(len(texts), width - 1, -1):
         group = [match for match in found[last - width : last] if match and style.kind(match[3]) == TEXT]
         numbers = [int(match[2]) for match in group]
         if numbers in (list(range(1, width + 1)), list(range(width))) and len({m[1] for m in group}) == 1:
-            return begin + last, [match[3].strip().strip('"') for match in group]
-    return 0, []
+            lists.append((begin + last, [match[3].strip().strip('"') for match in group]))
+    with_units = (each for each in lists if has_bracketed_units(each[1]))  # a method lists its steps, too
+    return next(with_units, lists[0] if lists else (0, []))
 
 
 def _has_units_of(below: Sequence[str], names: Sequence[str], columns: Sequence[str]) -> bool:

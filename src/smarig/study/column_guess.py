@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from smarig.core import shown
-from smarig.exchange import FoundTable, convert, dimension, known_unit
+from smarig.exchange import FoundColumn, FoundTable, convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
 
@@ -23,6 +23,7 @@ _SYMMETRIC = 0.05  # of the range: a middle closer to 0
 _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 together
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
 _OF_TEMPERATURE = re.compile(r"dT|[Tt]emp|heating|cooling|[°K]C?\s*/|degC\s*/")
+_OF_SENSOR = re.compile(r"[\w.-]+/\S+|[A-Za-z]+\d\S*")  # U9C/500N, WA20mm
 _IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
 
 
@@ -122,7 +123,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     if (
         by_unit
         and (by_unit == q.RATE or dimension(unit) not in q.DIMENSIONS.get(quantity, ()))
-        and quantity not in _WHATEVER_UNIT
+        and (quantity not in _WHATEVER_UNIT or by_unit == q.TIME)  # "sample rate [s]" states a time
     ):
         quantity, reason, confidence = by_unit, f"its unit {unit or written}", LIKELY
     elif quantity == q.CHARGE and not unit:
@@ -272,6 +273,23 @@ def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
     for value, unit in _IN_NAME.findall(stem):
         if unit in names:
             found[names[unit][0]] = (float(value.replace(",", ".")), names[unit][1])
+    return found
+
+
+def conditions_in_comments(columns: Sequence[FoundColumn]) -> dict[str, tuple[float, str]]:
+    """Conditions that the comments of columns state. The name of a sensor, as U9C/500N, states none; nor does a value
+    in the unit of its own column, which is the range of a channel.
+
+    >>> said = lambda unit, comment: conditions_in_comments([FoundColumn("F", unit, np.ones(2), comment=comment)])
+    >>> said("mV/V", "U9C/500N"), said("N", "500 N"), said("N", "60 MPa")
+    ({}, {}, {'stress': (60.0, 'MPa')})
+    """
+    found = {}
+    for column in columns:
+        own = dimension(known_unit(q.name_and_unit(column.name, column.unit)[1]))
+        of_sensors = _OF_SENSOR.sub(" ", column.comment)
+        stated = conditions_in_name(of_sensors).items()
+        found |= {name: (value, unit) for name, (value, unit) in stated if dimension(unit) != own}
     return found
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.core import Array
 from smarig.exchange import FoundColumn, FoundTable
-from smarig.study.column_guess import conditions_in_name
+from smarig.study.column_guess import conditions_in_comments
 from smarig.study.input_turns import wide_turns
 from smarig.study.row_parts import table_of_rows
 from smarig.study.table_guess import TableGuess, guess_table
@@ -73,7 +73,7 @@ def _filled(group: Sequence[FoundColumn]) -> slice:
 
 def _is_run(group: Sequence[FoundColumn], guess: TableGuess) -> bool:
     """Whether a group has a load of its own, or its input or its first column goes up and down."""
-    if conditions_in_name(comment_of(group)):
+    if conditions_in_comments(group):
         return True
     drive = guess.first("input")
     return _turns(group[0].values) or (drive is not None and _turns(drive.facts.values))

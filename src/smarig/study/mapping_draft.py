@@ -6,8 +6,7 @@ from typing import Any
 
 from smarig.exchange import convert, dimension
 from smarig.study import quantity_words as q
-from smarig.study.column_guess import ColumnGuess, conditions_in_name
-from smarig.study.column_pairs import comment_of
+from smarig.study.column_guess import ColumnGuess, conditions_in_comments, conditions_in_name
 from smarig.study.row_period import row_period
 from smarig.study.second_thermometer import AGREE_K
 from smarig.study.table_guess import TableGuess
@@ -146,7 +145,11 @@ def _mapped(guess: TableGuess) -> set[str]:
 def _condition_lines(guess: TableGuess) -> list[str]:
     lines = []
     used = [c for c in guess.table.columns if guess.roles[c.name].role in ("input", "output")]
-    named = conditions_in_name(guess.table.path.stem) | conditions_in_name(comment_of(used))
+    clock = conditions_in_comments([c for c in guess.table.columns if guess.roles[c.name].role == "time"])
+    stated = (
+        conditions_in_comments(used).items() - clock.items()
+    )  # a rate of logging is no frequency of the wire
+    named = conditions_in_name(guess.table.path.stem) | dict(stated)
     for c in guess.of_role("condition"):
         key = _CONDITIONS[c.quantity]
         named.pop(key, None)
