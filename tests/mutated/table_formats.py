@@ -160,13 +160,17 @@ def tdmss() -> list[bytes]:
 
 
 def matlabs() -> list[bytes]:
-    """MATLAB 5, deflated and not, with structs and texts; MATLAB 4, which is refused; octave's text."""
+    """MATLAB 5, deflated and not, with structs, arrays of structs and texts; MATLAB 4, which is refused."""
     from scipy.io import savemat
 
     columns = {name: x[:, None] for name, x in COLUMNS.items()}
     nested = {"data": dict(columns), "note": "text", "cell": np.array([1, "a"], dtype=object)}
     found = [_saved(lambda f, c=c: savemat(f, columns, do_compression=c)) for c in (False, True)]
     found.append(_saved(lambda f: savemat(f, nested, do_compression=True)))
+    signals = np.zeros((1, len(NAMES)), dtype=[("Name", object), ("Data", object), ("Unit", object)])
+    for k, (name, unit) in enumerate(zip(NAMES, UNITS)):
+        signals[0, k] = (name, columns[name], unit)
+    found.append(_saved(lambda f: savemat(f, {"rec": {"Y": signals}}, do_compression=True)))
     found.append(
         _saved(lambda f: savemat(f, {"T": np.outer(U_DEGC, [1, 2, 3]), "x": np.outer(X_MM, [1, 2, 3])}))
     )

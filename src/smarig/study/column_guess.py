@@ -104,9 +104,9 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
     written = written or (label if _is_part_of_second(label) else "")
     whole = q.quantity_of_name(label)[0] == q.RATE  # dB/dt is no path
-    quantity, commanded = (
-        q.quantity_of_name(label if whole else label.split("/")[-1]) if label else ("", False)
-    )
+    parts = [label] if whole else label.split("/")[::-1]  # of a path, the last that says something
+    said = [q.quantity_of_name(part) for part in parts if part]
+    quantity, commanded = next((found for found in said if found[0]), said[0] if said else ("", False))
     quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
     unit = known_unit(
         written, temperature=quantity in (q.TEMPERATURE, q.AMBIENT) or label.strip().lower() in ("t", "temp")

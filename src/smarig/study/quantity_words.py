@@ -37,7 +37,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         INDEX,
         r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",
     ),
-    (TIME, r"^t$|time|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
+    (TIME, r"^t$|^tout$|time|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
     (DUTY, r"pwm|duty|control input|tastgrad"),
     (
         TEMPERATURE,
