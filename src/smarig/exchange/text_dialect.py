@@ -82,7 +82,8 @@ def _found_tables(path: Path, lines: Sequence[str]) -> list[FoundTable]:
             table = _table(path, lines, dialect, block, blocks)
         except DataError as error:  # a list of segments, for example, before the readings
             refused = refused or error
-            left_out[_lines_of(block)] = str(error)
+            if "text" not in block.kinds:  # lines of a key and its values are no rows
+                left_out[_lines_of(block)] = str(error)
             continue
         if table is None:
             left_out[_lines_of(block)] = (
@@ -216,9 +217,22 @@ def _units(block: FoundBlock, dialect: _Dialect, before: Sequence[str]) -> dict[
     if not any(units):
         units = units_of_system(block.names, before)
     for row in dialect.rows(before) if not any(units) else ():
-        if row and "unit" in row[0].lower() and len(row) <= len(units):
-            units = [old or known_unit(cell) for old, cell in zip(units, ["", *row[1:], *[""] * len(units)])]
+        if len(row) > 1 and "unit" in row[0].lower() and len(row) <= len(units):
+            units = [old or known_unit(cell) for old, cell in zip(units, _of_axis(row, len(units)))]
     return dict(zip(block.names, units))
+
+
+def _of_axis(row: Sequence[str], width: int) -> list[str]:
+    """The cells of a line such as "Vertical Units,V" at their columns: the horizontal axis is the first, and one unit
+    of the vertical axis is that of all others.
+    """
+    if row[0].lower().startswith(("horizontal", "x")):
+        return [row[1], *[""] * (width - 1)]
+    cells = [*row[1:], *[""] * (width - len(row))]
+    return [
+        "",
+        *(row[1:2] * (width - 1) if row[0].lower().startswith("vertical") and len(row) == 2 else cells),
+    ]
 
 
 def _entries(

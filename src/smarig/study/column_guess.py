@@ -56,6 +56,11 @@ class ColumnGuess:
         """Whether neither its name nor its unit says what the column is."""
         return not self.quantity_reason.startswith(_STATED_BY)
 
+    @property
+    def is_named(self) -> bool:
+        """Whether its name says what the column is; a unit alone does not tell it from others in that unit."""
+        return self.quantity_reason.startswith("its name")
+
     def without_meaning(self) -> "ColumnGuess":
         """The guess without the quantity and unit that its numbers alone suggested."""
         return replace(
