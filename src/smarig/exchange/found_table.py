@@ -36,7 +36,8 @@ class FoundTable:
     ``header`` are keys and values that stand before it. ``with_files`` are further files that belong to it.
     ``above`` are the cells of the rows above the names, the nearest first, as titles of groups of columns. ``breaks``
     are the rows, from 0, above which lines of text stand, as titles of segments. ``left_out`` are rows of
-    the file that are in none of its tables, by their lines, each with the reason.
+    the file that are in none of its tables, by their lines, each with the reason. ``scalars`` are single numbers of
+    the record with their units, by name.
     """
 
     path: Path
@@ -49,6 +50,7 @@ class FoundTable:
     above: tuple[tuple[str, ...], ...] = ()
     breaks: tuple[int, ...] = ()
     left_out: dict[str, str] = field(default_factory=dict)
+    scalars: dict[str, tuple[float, str]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return self.columns[0].values.size if self.columns else 0

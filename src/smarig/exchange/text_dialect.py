@@ -231,7 +231,7 @@ def _of_axis(row: Sequence[str], width: int) -> list[str]:
     cells = [*row[1:], *[""] * (width - len(row))]
     return [
         "",
-        *(row[1:2] * (width - 1) if row[0].lower().startswith("vertical") and len(row) == 2 else cells),
+        *([row[1]] * (width - 1) if row[0].lower().startswith("vertical") and len(row) == 2 else cells),
     ]
 
 

@@ -4,7 +4,7 @@ import json
 import re
 from typing import Any
 
-from smarig.exchange import convert, dimension
+from smarig.exchange import convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess, conditions_in_comments, conditions_in_name
 from smarig.study.row_period import row_period
@@ -16,6 +16,8 @@ _HEAT_FLOWS = {"heat flow": "W/g", "power": "mW"}
 _CHANNELS = {q.TEMPERATURE: "temperature_degC", q.CURRENT: "current_A"}
 _CONDITIONS = {q.STRESS: "stress", q.FORCE: "load", q.FIELD: "magnetic_field"}
 _HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
+_SCALARS = _CONDITIONS | {q.AMBIENT: "room_temperature"}
+_OF_SPECIMEN = ("applied", "constant", "nominal", "sample", "specimen", "wire", "temperature")
 _UNUSED = ("ignored", "elsewhere")  # roles of columns that are not imported
 _KEY_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]")
 
@@ -150,15 +152,32 @@ def _condition_lines(guess: TableGuess) -> list[str]:
         conditions_in_comments(used).items() - clock.items()
     )  # a rate of logging is no frequency of the wire
     named = conditions_in_name(guess.table.path.stem) | dict(stated)
-    for c in guess.of_role("condition"):
-        key = _CONDITIONS[c.quantity]
+    columns = [_CONDITIONS[c.quantity] for c in guess.of_role("condition")]
+    for c, key in zip(guess.of_role("condition"), columns, strict=True):
         named.pop(key, None)
         if key == "load" and dimension(c.unit) != "force":
             continue
         lines.append(f"{key} = {{ column = {_s(c.name)}, unit = {_s(c.unit)} }}{_why(guess, c)}")
     named |= header_conditions(guess)
+    named |= {key: value for key, value in _scalar_conditions(guess).items() if key not in columns}
     lines += [f"{key} = {{ value = {value!r}, unit = {_s(unit)} }}" for key, (value, unit) in named.items()]
     return ["", "[conditions]", *lines] if lines else []
+
+
+def _scalar_conditions(guess: TableGuess) -> dict[str, tuple[float, str]]:
+    """Conditions among the single numbers of a record: those whose name states a quantity and nothing else, in a unit
+    of it, as "stress" does, but not "stress_limit".
+    """
+    found = {}
+    for name, (value, written) in guess.table.scalars.items():
+        label, unit = q.name_and_unit(name, written)
+        words = [word for word in re.split(r"[\W_]+", label.lower()) if word not in _OF_SPECIMEN]
+        said = {q.quantity_of_name(word)[0] for word in words}
+        quantity = said.pop() if len(said) == 1 else ""
+        key, known = _SCALARS.get(quantity, ""), known_unit(unit, temperature=True)
+        if key and dimension(known) in q.DIMENSIONS.get(quantity, ()):
+            found[key] = (value, known)
+    return found
 
 
 def header_conditions(guess: TableGuess) -> dict[str, tuple[float, str]]:
