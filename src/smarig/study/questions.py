@@ -34,13 +34,16 @@ def question(guess: TableGuess) -> str:
 
 def _commands(guess: TableGuess) -> str:
     """The commands that answer which columns are input and output, where few are possible; "" otherwise."""
-    drive = guess.first("input")
+    drive, out = guess.first("input"), guess.first("output")
     able = [c for c in guess.columns if c.facts.kind == "number" and c.facts.levels > 1]
     able = [c for c in able if c.quantity not in q.NO_SIGNALS and not holds_still(c)]
-    if "output" not in guess.doubts or not 1 < len(able) <= _MOST_COMMANDS:
+    if not {"input", "output"} & set(guess.doubts) or not 1 < len(able) <= _MOST_COMMANDS:
         return ""
     inputs = able if "input" in guess.doubts or drive is None else [drive]
-    pairs = [(a, b) for a in inputs for b in able if a.name != b.name][:_MOST_COMMANDS]
+    outputs = able if "output" in guess.doubts or out is None else [out]
+    if drive is not None and drive.is_named:  # the question is which column of this quantity
+        inputs = [c for c in inputs if c.quantity == drive.quantity]
+    pairs = [(a, b) for a in inputs for b in outputs if a.name != b.name][:_MOST_COMMANDS]
     names = [[shlex.quote(typed_name(guess.table, c.name)) for c in pair] for pair in pairs]
     file, out = shlex.quote(str(guess.table.path)), shlex.quote(guess.table.path.stem)
     commands = [f"smarig study {file} --input {a} --output {b} -o {out}" for a, b in names]

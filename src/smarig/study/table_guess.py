@@ -25,8 +25,10 @@ from smarig.study.column_guess import (
 )
 from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
+from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
+from smarig.study.thermometer_places import distance
 from smarig.study.typed_names import typed_name
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
@@ -172,7 +174,13 @@ def guess_table(
         if drive is not None and out is not None and output is not None and input is None and len(left) > 2:
             against = doubt_by_loop(drive, out)  # of two columns, the answer on one settles the other
             roles |= {drive.name: Role("input", against, UNSURE / 2)} if against else {}
+    if drive is not None and out is not None and None is input is output:
+        drive, out, pulled = pulled_roles(drive, out)
+        roles |= {c.name: Role(role, pulled) for c, role in ((drive, "input"), (out, "output")) if pulled}
     _further_roles(columns, roles, drive, out)
+    if drive is not None and input is None and (tie := _equal_thermometer(columns, roles, drive)) is not None:
+        names = f"{shown(drive.name)} and {shown(tie.name)}"
+        roles[drive.name] = Role("input", f"no name says which of {names} is at the specimen", UNSURE / 2)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
@@ -320,6 +328,14 @@ def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) 
     if second.is_witness:
         return Role("compare", witness_reason(c, drive), LIKELY)
     return Role("elsewhere", second.difference(drive), LIKELY)
+
+
+def _equal_thermometer(
+    columns: Sequence[ColumnGuess], roles: dict[str, Role], drive: ColumnGuess
+) -> ColumnGuess | None:
+    """A thermometer that reads otherwise than that of the input, and whose name says as much of its place."""
+    others = (c for c in columns if roles[c.name].role == "elsewhere")
+    return next((c for c in others if distance(c) == distance(drive)), None)
 
 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
