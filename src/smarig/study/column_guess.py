@@ -22,6 +22,7 @@ _STRAIN_PERCENT = 15.0
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
 _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 together
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
+_LAST_S = 2.0**32  # from 1970: no clock of 32 bits goes on
 _OF_TEMPERATURE = re.compile(r"dT|[Tt]emp|heating|cooling|[°K]C?\s*/|degC\s*/")
 _OF_SENSOR = re.compile(r"[\w.-]+/\S+|[A-Za-z]+\d\S*")  # U9C/500N, WA20mm
 _IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
@@ -343,6 +344,10 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
         case q.STRESS:
             unit = "Pa" if most > 1e5 else "MPa"
             reason, sure = f"{most:.3g} is a usual stress in {unit}", LIKELY
+        case q.TIME if f.low > _LAST_S:
+            parts = (("ms", 1e3), ("us", 1e6), ("ns", 1e9))
+            unit = next((unit for unit, number in parts if f.low <= _LAST_S * number), "s")
+            reason, sure = "as seconds, its times would lie after the year 2106", LIKELY
         case q.TIME:
             unit, reason, sure = "s", "the usual unit of time", 0.7
         case q.CURRENT | q.VOLTAGE | q.RESISTANCE | q.POWER:
