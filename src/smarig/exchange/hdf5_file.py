@@ -44,8 +44,8 @@ def _scalars_of(group: Hdf5Group, groups: Sequence[Hdf5Group]) -> dict[str, tupl
     found: dict[str, tuple[float, str]] = {}
     for other in groups:
         path = PurePosixPath(other.name)
-        beside = len(other.columns) < 2 and path.parent in own.parents
-        if path == own or path in own.parents or beside:
+        neighbour = len(other.columns) < 2 and path.parent in own.parents
+        if path == own or path in own.parents or neighbour:
             found |= other.scalars
     return found
 

@@ -111,8 +111,10 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     written = written or (label if _is_part_of_second(label) else "")
     whole = q.quantity_of_name(label)[0] == q.RATE  # dB/dt is no path
     parts = [label] if whole else label.split("/")[::-1]  # of a path, the last that says something
-    said = [q.quantity_of_name(part) for part in parts if part]
-    quantity, commanded = next((found for found in said if found[0]), said[0] if said else ("", False))
+    quantities = [q.quantity_of_name(part) for part in parts if part]
+    quantity, commanded = next(
+        (found for found in quantities if found[0]), quantities[0] if quantities else ("", False)
+    )
     quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
     unit = known_unit(
         written, temperature=quantity in (q.TEMPERATURE, q.AMBIENT) or label.strip().lower() in ("t", "temp")
@@ -286,8 +288,8 @@ def conditions_in_comments(columns: Sequence[FoundColumn]) -> dict[str, tuple[fl
     """Conditions that the comments of columns state. The name of a sensor, as U9C/500N, states none; nor does a value
     in the unit of its own column, which is the range of a channel.
 
-    >>> said = lambda unit, comment: conditions_in_comments([FoundColumn("F", unit, np.ones(2), comment=comment)])
-    >>> said("mV/V", "U9C/500N"), said("N", "500 N"), said("N", "60 MPa")
+    >>> stated = lambda unit, comment: conditions_in_comments([FoundColumn("F", unit, np.ones(2), comment=comment)])
+    >>> stated("mV/V", "U9C/500N"), stated("N", "500 N"), stated("N", "60 MPa")
     ({}, {}, {'stress': (60.0, 'MPa')})
     """
     found = {}

@@ -172,8 +172,8 @@ def _scalar_conditions(guess: TableGuess) -> dict[str, tuple[float, str]]:
     for name, (value, written) in guess.table.scalars.items():
         label, unit = q.name_and_unit(name, written)
         words = [word for word in re.split(r"[\W_]+", label.lower()) if word not in _OF_SPECIMEN]
-        said = {q.quantity_of_name(word)[0] for word in words}
-        quantity = said.pop() if len(said) == 1 else ""
+        quantities = {q.quantity_of_name(word)[0] for word in words}
+        quantity = quantities.pop() if len(quantities) == 1 else ""
         key, known = _SCALARS.get(quantity, ""), known_unit(unit, temperature=True)
         if key and dimension(known) in q.DIMENSIONS.get(quantity, ()):
             found[key] = (value, known)

@@ -178,7 +178,12 @@ def guess_table(
         drive, out, pulled = pulled_roles(drive, out)
         roles |= {c.name: Role(role, pulled) for c, role in ((drive, "input"), (out, "output")) if pulled}
     _further_roles(columns, roles, drive, out)
-    if drive is not None and input is None and (tie := _equal_thermometer(columns, roles, drive)) is not None:
+    if (
+        drive is not None
+        and input is None
+        and not pairs
+        and (tie := _equal_thermometer(columns, roles, drive, out)) is not None
+    ):
         names = f"{shown(drive.name)} and {shown(tie.name)}"
         roles[drive.name] = Role("input", f"no name says which of {names} is at the specimen", UNSURE / 2)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
@@ -331,9 +336,13 @@ def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) 
 
 
 def _equal_thermometer(
-    columns: Sequence[ColumnGuess], roles: dict[str, Role], drive: ColumnGuess
+    columns: Sequence[ColumnGuess], roles: dict[str, Role], drive: ColumnGuess, out: ColumnGuess | None
 ) -> ColumnGuess | None:
-    """A thermometer that reads otherwise than that of the input, and whose name says as much of its place."""
+    """A thermometer that reads otherwise than that of the input, and whose name says as much of its place; not that of
+    a second group of columns, where the name of the output is written again, too.
+    """
+    if out is not None and any(c.name.startswith(f"{out.name} (2") for c in columns):
+        return None
     others = (c for c in columns if roles[c.name].role == "elsewhere")
     return next((c for c in others if distance(c) == distance(drive)), None)
 
