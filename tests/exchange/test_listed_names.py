@@ -56,3 +56,23 @@ def test_listed_names_are_those_of_the_columns(tmp_path, line, first, number):
 def test_other_lines_are_no_names(tmp_path, lines):
     (table,) = find_tables(written(tmp_path / "a.txt", lines))
     assert table.names == tuple(f"column {k}" for k in range(1, 5))
+
+
+STEPS = [
+    "Equilibrate at 20.00 °C",
+    "Ramp 5.00 °C/min to 120.00 °C",
+    "Mark end of cycle 1",
+    "Repeat segment 2",
+]
+
+
+@pytest.mark.parametrize("step", ["OrgMethod\t{k}: {text}", "{k}: {text}", "{k}) {text}"])
+@pytest.mark.parametrize("delimiter", ["\t", "  "])
+def test_steps_of_a_method_are_no_names(tmp_path, step, delimiter):
+    signals = [f"Sig{k}\t{name}" for k, name in enumerate(NAMES, 1)]
+    path = written(
+        tmp_path / "a.txt", [*signals, *(step.format(k=k, text=text) for k, text in enumerate(STEPS, 1))]
+    )
+    path.write_text(path.read_text("utf-16").replace("StartOfData\n", "").replace("\t", delimiter), "utf-16")
+    (table,) = find_tables(path)
+    assert table.names == NAMES

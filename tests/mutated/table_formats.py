@@ -1,6 +1,7 @@
 """Honest tables in every container that smarig reads: what mutated tables are made from."""
 
 import io
+import json
 from collections.abc import Callable
 
 import numpy as np
@@ -16,7 +17,9 @@ Seeds = Callable[[], list[bytes]]
 
 
 def texts() -> list[bytes]:
-    """Dialects: smarig's own columns, German numbers with units, tabs below a header, a clock, columns of blanks."""
+    """Dialects: smarig's own columns, German numbers with units, tabs below a header, a clock, columns of blanks,
+    documents of JSON.
+    """
     rows = list(zip(T_S, U_DEGC, X_MM))
     own = "time_s,current_command_A,position_mm\n" + "".join(
         f"{t},{u / 100:.3f},{x:.5f}\n" for t, u, x in rows
@@ -38,8 +41,14 @@ def texts() -> list[bytes]:
     wide = "T up,x up,T down,x down\n" + "".join(
         f"{u:.2f},{x:.3f},{u - 5:.2f},{x + 1:.3f}\n" for _, u, x in rows
     )
+    columns = {name: {"unit": unit, "values": x.tolist()} for (name, x), unit in zip(COLUMNS.items(), UNITS)}
+    series = {
+        "series": [{"name": "rig", "columns": NAMES, "values": [[float(x) for x in row] for row in rows]}]
+    }
+    records = [dict(zip(NAMES, map(float, row))) for row in rows]
+    documents = map(json.dumps, (columns, series, records, [NAMES, *series["series"][0]["values"]]))
     return [
-        *(text.encode() for text in (own, german, tabs, clock, blanks, stamped, wide)),
+        *(text.encode() for text in (own, german, tabs, clock, blanks, stamped, wide, *documents)),
         tabs.encode("utf-16"),
         german.encode("cp1252"),
         own.replace("\n", "\r\n").encode("utf-8-sig"),
@@ -151,13 +160,17 @@ def tdmss() -> list[bytes]:
 
 
 def matlabs() -> list[bytes]:
-    """MATLAB 5, deflated and not, with structs and texts; MATLAB 4, which is refused; octave's text."""
+    """MATLAB 5, deflated and not, with structs, arrays of structs and texts; MATLAB 4, which is refused."""
     from scipy.io import savemat
 
     columns = {name: x[:, None] for name, x in COLUMNS.items()}
     nested = {"data": dict(columns), "note": "text", "cell": np.array([1, "a"], dtype=object)}
     found = [_saved(lambda f, c=c: savemat(f, columns, do_compression=c)) for c in (False, True)]
     found.append(_saved(lambda f: savemat(f, nested, do_compression=True)))
+    signals = np.zeros((1, len(NAMES)), dtype=[("Name", object), ("Data", object), ("Unit", object)])
+    for k, (name, unit) in enumerate(zip(NAMES, UNITS)):
+        signals[0, k] = (name, columns[name], unit)
+    found.append(_saved(lambda f: savemat(f, {"rec": {"Y": signals}}, do_compression=True)))
     found.append(
         _saved(lambda f: savemat(f, {"T": np.outer(U_DEGC, [1, 2, 3]), "x": np.outer(X_MM, [1, 2, 3])}))
     )

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.rules import RULES as RULES
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis as ThermalDiagnosis
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
+    from smarig.diagnosis.comparison.verdict_sentences import doubtful_causes as doubtful_causes
     from smarig.diagnosis.comparison.weights import TEMPERATURE as TEMPERATURE
     from smarig.diagnosis.comparison.weights import Weights as Weights
     from smarig.diagnosis.diagnose import diagnose as diagnose

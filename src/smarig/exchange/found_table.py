@@ -1,7 +1,7 @@
 """A table found in a data file before anybody has said what its columns mean."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -34,6 +34,10 @@ class FoundTable:
 
     ``format`` is the reader that reads it, ``name`` tells it from others in the same file ("" if it is alone), and
     ``header`` are keys and values that stand before it. ``with_files`` are further files that belong to it.
+    ``above`` are the cells of the rows above the names, the nearest first, as titles of groups of columns. ``breaks``
+    are the rows, from 0, above which lines of text stand, as titles of segments. ``left_out`` are rows of
+    the file that are in none of its tables, by their lines, each with the reason. ``scalars`` are single numbers of
+    the record with their units, by name.
     """
 
     path: Path
@@ -43,6 +47,10 @@ class FoundTable:
     layout: dict[str, dict[str, Any]]
     header: dict[str, str]
     with_files: tuple[Path, ...] = ()
+    above: tuple[tuple[str, ...], ...] = ()
+    breaks: tuple[int, ...] = ()
+    left_out: dict[str, str] = field(default_factory=dict)
+    scalars: dict[str, tuple[float, str]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return self.columns[0].values.size if self.columns else 0

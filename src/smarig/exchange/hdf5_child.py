@@ -61,7 +61,8 @@ def _answer(path: str, group: str, out: BinaryIO) -> None:
             values += sum(column.length for column in columns)
             if values > MAX_VALUES:
                 raise _Refused(f"it holds more than {MAX_VALUES // 10**6} million values. Split it.")
-            _send(out, {"group": name, "header": _header(found), "left_out": left_out})
+            words = {"group": name, "header": _header(found), "left_out": left_out}
+            _send(out, words | {"scalars": _scalars(found)})
             for column in columns:
                 for own, unit, numbers in column.values():
                     words = {"column": own, "unit": unit, "comment": column.comment, "size": numbers.size}
@@ -100,6 +101,8 @@ def _rehearse() -> None:
             if not _no_column(data):
                 _check("", data)
                 list(_Column("", data).values())
+        file["scalar"] = 1.0
+        _scalars(file)
 
 
 def _open_nothing_else() -> None:
@@ -185,6 +188,23 @@ def _columns(group: Any) -> tuple[list[_Column], dict[str, str]]:
     lengths = [column.length for column in found for _ in range(column.width)]
     usual = max(set(lengths), key=lambda n: (lengths.count(n), n), default=0)
     return [column for column in found if column.length == usual >= 2], left_out
+
+
+def _scalars(group: Any) -> dict[str, tuple[float, str]]:
+    """The single numbers in a group by name, each with its unit."""
+    found = {}
+    for key in _keys(group, MAX_COLUMNS):
+        member = _member(group, key)
+        if (
+            isinstance(member, h5py.Dataset)
+            and member.shape in ((), (1,), (1, 1))
+            and _is_number(member.dtype)
+        ):
+            _check(_plain(key), member)
+            value = float(np.asarray(member[()]).ravel()[0])
+            if math.isfinite(value):
+                found[_plain(key)] = (value, _unit(member))
+    return found
 
 
 def _no_column(data: Any) -> str:

@@ -1,12 +1,13 @@
 """Reads HDF5 files, also of MATLAB 7.3: vectors of one length in a group, and tables of several columns."""
 
-from pathlib import Path
+from collections.abc import Sequence
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
 from smarig.core import DataError, shown
 from smarig.exchange.found_table import FoundTable
-from smarig.exchange.hdf5_process import read_groups
+from smarig.exchange.hdf5_process import Hdf5Group, read_groups
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import Hdf5Layout
 from smarig.exchange.needed_package import check_package
@@ -22,7 +23,8 @@ def hdf5_tables(path: Path) -> list[FoundTable]:
         if len(group.columns) >= 2:
             title = group.name.strip("/") if len(groups) > 1 else ""
             layout = {"hdf5": {"group": group.name}}
-            found.append(FoundTable(path, "hdf5", title, tuple(group.columns), layout, group.header))
+            columns, scalars = tuple(group.columns), _scalars_of(group, groups)
+            found.append(FoundTable(path, "hdf5", title, columns, layout, group.header, scalars=scalars))
     if not found:
         left_out = [
             f" Data set {shown(name)} {why}." for group in groups for name, why in group.left_out.items()
@@ -31,6 +33,20 @@ def hdf5_tables(path: Path) -> list[FoundTable]:
             f"{path} holds no group with two numeric data sets of one length.{''.join(left_out[:3])} "
             "Give a file of measured columns."
         )
+    return found
+
+
+def _scalars_of(group: Hdf5Group, groups: Sequence[Hdf5Group]) -> dict[str, tuple[float, str]]:
+    """The single numbers that belong to a table: of its group, of those around it, and of groups without a table beside
+    any of these, as entry/sample beside entry/data.
+    """
+    own = PurePosixPath(group.name)
+    found: dict[str, tuple[float, str]] = {}
+    for other in groups:
+        path = PurePosixPath(other.name)
+        neighbour = len(other.columns) < 2 and path.parent in own.parents
+        if path == own or path in own.parents or neighbour:
+            found |= other.scalars
     return found
 
 

@@ -32,12 +32,15 @@ _Process = subprocess.Popen[bytes]
 
 @dataclass
 class Hdf5Group:
-    """A group: path, attributes, columns of one length, and data sets that are no columns, with the reason."""
+    """A group: path, attributes, columns of one length, and data sets that are no columns, with the reason; ``scalars``
+    are its single numbers with their units.
+    """
 
     name: str
     header: dict[str, str]
     left_out: dict[str, str]
     columns: list[FoundColumn] = field(default_factory=list)
+    scalars: dict[str, tuple[float, str]] = field(default_factory=dict)
 
 
 def read_groups(path: Path, group: str = "") -> list[Hdf5Group]:
@@ -88,7 +91,8 @@ def _groups(path: Path, output: IO[bytes]) -> Iterator[Hdf5Group]:
         if "end" in words:
             return
         if "group" in words:
-            group = Hdf5Group(words["group"], words["header"], words["left_out"])
+            scalars = {name: (value, unit) for name, (value, unit) in words["scalars"].items()}
+            group = Hdf5Group(words["group"], words["header"], words["left_out"], scalars=scalars)
     raise DataError(
         f"{path} is damaged: the HDF5 library failed on it, or needed too much memory or time. Copy it again."
     )

@@ -12,6 +12,15 @@ _SAMPLE = 250  # lines by which a text is taken for lines of JSON
 
 
 @dataclass(frozen=True)
+class ObjectRows:
+    """The rows of objects under the keys that most of them have, "" for one that is no row, and what was left out."""
+
+    names: list[str]
+    rows: list[str]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class JsonLines:
     """The rows of a text, "" for lines that are none; ``added``: the names stand in a line before those of the file."""
 
@@ -21,13 +30,22 @@ class JsonLines:
 
 
 def json_lines(lines: Sequence[str]) -> JsonLines | None:
-    """The lines as rows of cells with the keys before them; None for a text of which most lines are no objects.
+    """The lines as rows of cells with the keys before them; None for a text of which most lines are no objects."""
+    if not _most(lines[:_SAMPLE]) or (found := rows_of_objects([_object(line) for line in lines])) is None:
+        return None
+    names, rows = "\t".join(found.names), found.rows
+    notes = ("Each line is an object of JSON; its keys are the names of the columns.", *found.notes)
+    first = next(k for k, row in enumerate(rows) if row)
+    if first:  # an event before the rows gives its line to the names
+        return JsonLines([*rows[: first - 1], names, *rows[first:]], notes, 0)
+    return JsonLines([names, *rows], notes, 1)
+
+
+def rows_of_objects(found: Sequence[dict[str, str] | None]) -> ObjectRows | None:
+    """The rows of objects, each with its cells by key; None if there is no row.
 
     The columns are the keys that more than half of the objects have; an object without most of them is an event.
     """
-    if not _most(lines[:_SAMPLE]):
-        return None
-    found = [_object(line) for line in lines]
     times = Counter(key for item in found if item for key in item)
     objects = sum(bool(item) for item in found)
     names = [key for key, count in times.items() if 2 * count > objects]
@@ -38,14 +56,7 @@ def json_lines(lines: Sequence[str]) -> JsonLines | None:
         "\t".join(item.get(name, "nan") for name in names) if item and is_row else ""
         for item, is_row in zip(found, are_rows)
     ]
-    notes = (
-        "Each line is an object of JSON; its keys are the names of the columns.",
-        *_events(found, are_rows, names),
-    )
-    first = are_rows.index(True)
-    if first:  # an event before the rows gives its line to the names
-        return JsonLines([*rows[: first - 1], "\t".join(names), *rows[first:]], notes, 0)
-    return JsonLines(["\t".join(names), *rows], notes, 1)
+    return ObjectRows(names, rows, tuple(_events(found, are_rows, names)))
 
 
 def _most(lines: Sequence[str]) -> bool:
@@ -62,17 +73,27 @@ def _object(line: str) -> dict[str, str] | None:
         found = json.loads(line, parse_float=str, parse_int=str)
     except (ValueError, RecursionError):
         return None
-    return dict(_cells("", found)) if isinstance(found, dict) else None
+    return dict(flat_cells("", found)) if isinstance(found, dict) else None
 
 
-def _cells(above: str, value: Any) -> Iterator[tuple[str, str]]:
+def flat_cells(above: str, value: Any) -> Iterator[tuple[str, str]]:
+    """The cells of a value by key; those of an object within another have both keys."""
     if isinstance(value, dict):
         for key, part in value.items():
-            yield from _cells(f"{above}.{key}" if above else key, part)
-    elif value is None or isinstance(value, list):
-        yield above, "nan"
+            yield from flat_cells(f"{above}.{key}" if above else key, part)
     else:
-        yield above, str(int(value)) if isinstance(value, bool) else " ".join(str(value).split()) or "nan"
+        yield above, cell_text(value)
+
+
+def cell_text(value: Any) -> str:
+    """The text of a cell: "nan" for nothing and for arrays.
+
+    >>> cell_text(None), cell_text(True), cell_text("a  b"), cell_text("1.50")
+    ('nan', '1', 'a b', '1.50')
+    """
+    if value is None or isinstance(value, list):
+        return "nan"
+    return str(int(value)) if isinstance(value, bool) else " ".join(str(value).split()) or "nan"
 
 
 def _events(found: Sequence[dict | None], are_rows: Sequence[bool], names: Sequence[str]) -> Iterator[str]:

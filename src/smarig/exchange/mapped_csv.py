@@ -37,6 +37,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
         thousands=f.thousands,
         header_line=f.header_line,
         units_rows=f.units_rows,
+        interruptions=f.interruptions,
         clock=mapping.time.column if mapping.time and mapping.time.written == "clock" else "",
         text=tuple(mapping.ignore),
     )
@@ -136,6 +137,9 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
     time = mapping.time
     if time is None:
         return _replace_rows(table, {**table.columns, "t_s": np.full(len(table), np.nan)}, table.line), []
+    messages: list[ImportFinding] = []
+    if time.empty == "leave out":
+        table, messages = _with_times_only(table, time.column)
     t_s = np.zeros(len(table))
     if time.column:
         t_s = t_s + convert(table.columns[time.column], time.unit, "s")
@@ -152,9 +156,9 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
             )
         t_s = t_s + np.arange(len(table)) // time.rows_per_period * time.period_s
     check_bounds(path, "t_s", time.column or "time", t_s, table.line)
-    messages: list[ImportFinding] = []
     if time.restarts == "join":
-        t_s, messages = joined_clock(time.column or "time", t_s, table.line)
+        t_s, restarted = joined_clock(time.column or "time", t_s, table.line)
+        messages += restarted
     check_time(path, time.column or "time", t_s, table.line, time.repeated)
     messages += time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:
@@ -165,6 +169,19 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
         return _replace_rows(table, {**table.columns, "t_s": t_s}, table.line), messages
     first, merged = merge_repeats(t_s, {**table.columns, "t_s": t_s})
     return _replace_rows(table, merged, table.line[first]), messages
+
+
+def _with_times_only(table: Table, name: str) -> tuple[Table, list[ImportFinding]]:
+    """The rows that have a time, and a finding on the others."""
+    known = np.isfinite(table.columns[name])
+    if known.all():
+        return table, []
+    loop = table.loop[known] if table.loop is not None else None
+    rows = replace(
+        table, columns={k: x[known] for k, x in table.columns.items()}, line=table.line[known], loop=loop
+    )
+    count = int((~known).sum())
+    return rows, remarks(f"{count} of {known.size} rows are left out, because {shown(name)} is empty there.")
 
 
 def _without_time(table: Table, mapping: MappingFile) -> dict[str, Array]:

@@ -45,6 +45,7 @@ CONDITION_UNITS = {
     "load": "N",
     "room_temperature": "degC",
     "chamber_temperature": "degC",
+    "magnetic_field": "T",
     "frequency": "Hz",
 }  # conditions that runs are compared by; a text such as specimen, and other names, are kept and compared too
 
@@ -60,6 +61,7 @@ class TimeAxis(TomlTable):
     period_s: float | None = Field(default=None, gt=0)  # duration of a period in which the column counts
     rows_per_period: int = Field(default=1, ge=1)  # rows per period
     repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # treatment of rows with the same time
+    empty: Literal["refuse", "leave out"] = "refuse"  # treatment of rows without a time
     restarts: Literal["refuse", "join"] = "refuse"  # "join": a clock that starts again goes on one step later
 
     @model_validator(mode="after")

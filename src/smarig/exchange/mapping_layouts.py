@@ -19,6 +19,7 @@ class TextLayout(TomlTable):
     header_starts: str = ""  # start of the header of each table, in files of several tables
     table: int = Field(default=1, ge=1)  # number of the table in such a file, from 1
     tables: int = Field(default=1, ge=0)  # tables from there on that are one record; 0: all to the end
+    interruptions: Literal["refuse", "leave out"] = "refuse"  # treatment of lines of text between the rows
 
 
 class MatLayout(TomlTable):

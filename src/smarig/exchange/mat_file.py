@@ -20,29 +20,16 @@ import numpy as np
 from smarig.core import Array, ConfigError, DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import MatLayout
+from smarig.exchange.mat_elements import MATRIX, NUMERIC, Variable, element, size_of, variable_of
+from smarig.exchange.mat_structs import struct_fields
 from smarig.exchange.text_table import MAX_COLUMNS, Table
 
 MAX_BYTES = 300_000_000  # inflating needs up to twice as much
 _HEADER_BYTES = 128
 _ORDER = {b"IM": "<", b"MI": ">"}
-_INT8, _INT32, _MATRIX, _COMPRESSED = 1, 5, 14, 15  # kinds of elements: mi…
+_COMPRESSED = 15  # kind of an element
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
-_NUMERIC = {6: "double", 7: "single", 8: "int8", 9: "uint8", 10: "int16", 11: "uint16"}
-_NUMERIC |= {12: "int32", 13: "uint32", 14: "int64", 15: "uint64"}
-_OTHER = {1: "cell", 2: "struct", 3: "object", 4: "char", 5: "sparse", 16: "function", 17: "opaque"}
-_DEEPEST = 8  # structs within each other
-_COMPLEX, _LOGICAL = 0x800, 0x200
 _DAMAGE = (struct.error, zlib.error, ValueError, KeyError)  # raised by damaged bytes
-
-
-@dataclass(frozen=True)
-class Variable:
-    """One variable of the file: size, MATLAB class, and the bytes of its elements."""
-
-    shape: tuple[int, ...]
-    kind: str
-    order: str
-    elements: memoryview
 
 
 @dataclass(frozen=True)
@@ -56,7 +43,7 @@ class MatFile:
         """A variable (m, n) of real numbers, with NaN; DataError for anything else."""
         variable = self.variables[name]
         where = f"{self.path}: variable {shown(name)}"
-        if variable.kind not in _NUMERIC.values():
+        if variable.kind not in NUMERIC.values():
             raise DataError(f"{where} is of MATLAB class {variable.kind}; a matrix of numbers was expected.")
         if len(variable.shape) != 2 or 0 in variable.shape:
             size = size_text(variable.shape)
@@ -79,15 +66,15 @@ def open_mat(path: Path) -> MatFile:
     variables: dict[str, Variable] = {}
     try:
         order = _ORDER[data[_HEADER_BYTES - 2 : _HEADER_BYTES]]
-        for element in _inflated(path, data, order):
-            name, variable = _variable(element, order)
+        for payload in _inflated(path, data, order):
+            name, variable = variable_of(payload, order)
             if name in variables:
                 raise DataError(
                     f"{path} holds the variable {shown(name)} more than once. Save the file again."
                 )
             if name:  # variables without a name belong to MATLAB itself
                 variables[name] = variable
-                variables |= _fields(name, variable)
+                variables |= struct_fields(name, variable)
     except _DAMAGE:
         raise _damaged(path) from None
     if not variables:
@@ -126,91 +113,26 @@ def _inflated(path: Path, data: bytes, order: str) -> Iterator[memoryview]:
     """The elements of the variables, inflated if they are deflated, each without its tag."""
     rest, room = memoryview(data)[_HEADER_BYTES:], MAX_BYTES
     while rest:
-        kind, payload, after = _element(rest, order)
+        kind, payload, after = element(rest, order)
         if kind == _COMPRESSED:
             inflate = zlib.decompressobj()
             packed = inflate.decompress(payload, room)
             if len(packed) == room:
                 raise _too_large(path)
             room -= len(packed)
-            kind, payload, _ = _element(memoryview(packed), order)
+            kind, payload, _ = element(memoryview(packed), order)
             if not inflate.eof:
                 raise ValueError("cut off")
-            after = rest[8 + _size(rest, order) :]  # deflated elements are not padded
-        if kind != _MATRIX:
+            after = rest[8 + size_of(rest, order) :]  # deflated elements are not padded
+        if kind != MATRIX:
             raise ValueError("not a variable")
         yield payload
         rest = after
 
 
-def _size(view: memoryview, order: str) -> int:
-    return struct.unpack_from(order + "I", view, 4)[0]
-
-
-def _element(view: memoryview, order: str) -> tuple[int, memoryview, memoryview]:
-    """Kind and payload of the first element, and the rest; ValueError if it is cut off.
-
-    An element of at most four bytes is inside its own tag, with its size above its kind.
-    """
-    (kind,) = struct.unpack_from(order + "I", view)
-    if kind >> 16:
-        start, size, kind, following = 4, kind >> 16, kind & 0xFFFF, 8
-        if size > 4:
-            raise ValueError("too large for its tag")
-    else:
-        start, size = 8, _size(view, order)
-        following = start + -(-size // 8) * 8
-    if start + size > len(view):
-        raise ValueError("cut off")
-    return kind, view[start : start + size], view[following:]
-
-
-def _variable(element: memoryview, order: str) -> tuple[str, Variable]:
-    """Name and description of a variable: flags, size and name come first; objects of newer MATLABs have no size."""
-    _, flags, rest = _element(element, order)
-    (word,) = struct.unpack_from(order + "I", flags)
-    code = word & 0xFF
-    kind = _NUMERIC[code] if code in _NUMERIC else _OTHER[code]
-    if word & _LOGICAL:
-        kind = "logical"
-    if word & _COMPLEX:
-        kind = f"complex {kind}"
-    what, size, rest = _element(rest, order)
-    if what == _INT8:
-        return bytes(size).decode("ascii"), Variable((), kind, order, rest)
-    if what != _INT32:
-        raise ValueError("no size")
-    shape = struct.unpack(f"{order}{len(size) // 4}i", size)
-    what, name, rest = _element(rest, order)
-    if what != _INT8 or min(shape, default=-1) < 0:
-        raise ValueError("no name, or a negative size")
-    return bytes(name).decode("ascii"), Variable(shape, kind, order, rest)
-
-
-def _fields(name: str, variable: Variable, depth: int = 0) -> dict[str, Variable]:
-    """The fields of a single struct, and of structs in it, by names such as data/time."""
-    if variable.kind != "struct" or math.prod(variable.shape) != 1 or depth == _DEEPEST:
-        return {}
-    order = variable.order
-    _, size, rest = _element(variable.elements, order)
-    (length,) = struct.unpack(f"{order}i", size)
-    _, names, rest = _element(rest, order)
-    found: dict[str, Variable] = {}
-    for k in range(0, len(names), max(length, 1)):
-        field = bytes(names[k : k + length]).split(b"\0")[0].decode("ascii")
-        kind, payload, rest = _element(rest, order)
-        if kind != _MATRIX:
-            raise ValueError("not a variable")
-        if payload:
-            own = f"{name}/{field}"
-            found[own] = _variable(payload, order)[1]
-            found |= _fields(own, found[own], depth + 1)
-    return found
-
-
 def _values(variable: Variable) -> Array:
     """The numbers, column by column in the file; MATLAB stores integers in the smallest type that fits."""
-    kind, payload, _ = _element(variable.elements, variable.order)
+    kind, payload, _ = element(variable.elements, variable.order)
     numbers = np.frombuffer(payload, dtype=variable.order + _NUMBERS[kind])
     return numbers.astype(np.float64).reshape(variable.shape, order="F")
 
@@ -272,7 +194,7 @@ def matrix_columns(file: MatFile, name: str) -> dict[str, Array]:
         )
     columns = {f"column {k + 1}": signal for k, signal in enumerate(signals)}
     for other, variable in file.variables.items():
-        if sorted(variable.shape) == [1, signals.shape[1]] and variable.kind in _NUMERIC.values():
+        if sorted(variable.shape) == [1, signals.shape[1]] and variable.kind in NUMERIC.values():
             columns[other] = file.matrix(other).ravel()
     return columns
 

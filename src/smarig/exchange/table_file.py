@@ -51,7 +51,12 @@ def read_table(path: Path, layout: TableLayout) -> Table:
 
 
 def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
-    if layout.header_starts or layout.clock or path.stat().st_size > text_table.MAX_BYTES:
+    if (
+        layout.header_starts
+        or layout.clock
+        or layout.interruptions != "refuse"
+        or path.stat().st_size > text_table.MAX_BYTES
+    ):
         raise _UnusualError
     with path.open("rb") as file:
         head = _head(path, file, layout)
@@ -82,7 +87,7 @@ def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
     if not complete and len(raw) <= HEADER_WITHIN:
         raise _UnusualError
     lines = [line.decode("utf-8").removesuffix("\r") for line in raw]
-    if is_igor_text(lines):
+    if is_igor_text(lines) or next(filter(None, map(str.strip, lines)), "").startswith(("{", "[")):
         raise _UnusualError
     if any(len(line.splitlines()) > 1 for line in lines) or min(b"".join(raw), default=0) < _FIRST_TEXT:
         raise _UnusualError

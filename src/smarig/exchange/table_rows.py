@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
@@ -9,6 +10,10 @@ from typing import Protocol
 from smarig.core import DataError
 from smarig.exchange.cell_values import is_missing, is_number
 from smarig.exchange.clock_cells import clock_seconds
+from smarig.exchange.interruptions import names_columns
+
+_MAY_BE_PADDED = re.compile(r"[+-] ")
+_PADDED = re.compile(r"^([+-])\s+(?=[\d.,])")  # a number whose sign and digits are aligned
 
 
 class Signs(Protocol):
@@ -22,7 +27,11 @@ class Signs(Protocol):
 
 
 def split(line: str, delimiter: str | None) -> list[str]:
-    """The cells of a line, stripped of blanks and quotes, without trailing empty cells."""
+    """The cells of a line, stripped of blanks and quotes, without trailing empty cells.
+
+    >>> split("+   20.1;-  0.5 ;", ";")
+    ['+20.1', '-0.5']
+    """
     if delimiter is None:
         cells = line.split()
     elif '"' in line:
@@ -30,6 +39,8 @@ def split(line: str, delimiter: str | None) -> list[str]:
     else:
         cells = line.split(delimiter)
     cells = [cell.strip() for cell in cells]
+    if delimiter is not None and _MAY_BE_PADDED.search(line):
+        cells = [_PADDED.sub(r"\1", cell) for cell in cells]
     while cells and not cells[-1]:
         cells.pop()
     return cells
@@ -68,6 +79,31 @@ def cells(
         rows.append(row + [""] * missing)
         where.append(k + 1)
     return rows, where
+
+
+def without_interruptions(
+    lines: Sequence[str], first: int, width: int, delimiter: str | None, signs: Signs, *, ends: bool
+) -> tuple[list[str], list[str]]:
+    """The lines with a comment sign in place of each line of text between rows from ``first`` on, and those texts.
+
+    ``ends``: names of columns, or a row of another width, begin another table, and blank lines do not end this one.
+    """
+    out, texts = list(lines), list[str]()
+    waiting: list[int] = []  # lines since the last row: a footer is none between rows
+    for k in range(first, len(lines)):
+        row = split(lines[k], delimiter)
+        if _mostly_numbers(row, signs):
+            if ends and len(row) != width:
+                break
+            texts += [lines[i] for i in waiting if lines[i].strip()]
+            for i in waiting:
+                out[i] = "#" if ends or lines[i].strip() else ""
+            waiting = []
+        elif ends and row and names_columns(row, lines[k], width):
+            break
+        elif not lines[k].startswith("#"):
+            waiting.append(k)
+    return out, texts
 
 
 def footer_start(

@@ -3,42 +3,29 @@
 Names and units may be divided by another sign than the numbers: what counts is that there are as many as columns.
 """
 
-import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarig.exchange.cell_values import is_missing, is_number
-from smarig.exchange.clock_cells import clock_seconds
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
-from smarig.exchange.header_words import has_bracketed_units, with_brackets_joined, words_below
-from smarig.exchange.text_table import HEADER_WITHIN
-from smarig.exchange.written_units import is_unit, is_units_row, without_markup
+from smarig.exchange.header_rows import (
+    HEADER_ROWS,
+    filled_from,
+    header_cells,
+    header_rows,
+    listed_names,
+    names_each,
+    unbracketed,
+    unique_names,
+    units_in,
+)
+from smarig.exchange.header_words import has_bracketed_units, words_below
+from smarig.exchange.interruptions import names_columns
+from smarig.exchange.number_style import NumberStyle
+from smarig.exchange.written_units import is_units_row, without_markup
 
 FEWEST_ROWS = 3  # of a table
-_HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
-_COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
-_ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
-# Between the names of columns, the rarest in a name first:
-_HEADER_SIGNS = (_ALIGNED, ";", ",", r"\|", r"\s+")
-# Sig1 Time (min); # 2: Force [N]
-_LISTED = re.compile(r"(\D{0,40}?)\s*(\d{1,4})\s*(?:[:=.)\]\t,;]|\s)\s*(\S.*)")
-_BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
-
-
-@dataclass(frozen=True)
-class NumberStyle:
-    """How a table writes numbers: decimal sign, and what stands between thousands."""
-
-    decimal: str = "."
-    thousands: str = ""
-
-    def kind(self, cell: str) -> str:
-        """Whether a cell is a number (or a word for a missing one), a clock time or another text."""
-        mixed = self.decimal == "," and "." in cell and "," not in cell and not self.thousands
-        if (is_number(cell, self.decimal, self.thousands) and not mixed) or is_missing(cell):
-            return NUMBER
-        return CLOCK if clock_seconds(cell) is not None else TEXT
 
 
 @dataclass(frozen=True)
@@ -47,8 +34,8 @@ class FoundBlock:
 
     ``names`` are unique; ``own_names`` says that they differ from the cells of the header. ``units`` are the cells of
     a row of units, "" where there is none, ``constants`` the numbers there by name ("Increment" of an oscilloscope),
-    and ``comments`` those of the rows below it. ``kinds`` are those of the columns. ``header`` counts equal headers
-    before.
+    and ``comments`` those of the rows below it. ``kinds`` are those of the columns. ``breaks`` are the first rows after
+    lines of text between the rows.
     """
 
     header: int | None
@@ -60,6 +47,7 @@ class FoundBlock:
     own_names: bool
     comments: tuple[str, ...] = ()
     constants: tuple[tuple[str, str], ...] = ()
+    breaks: tuple[int, ...] = ()
 
 
 def find_blocks(
@@ -73,15 +61,30 @@ def find_blocks(
     start = kinds.index("data") if "data" in kinds else 0
     titles = {tuple(row) for row in rows[:start] if row}
     runs: list[list[int]] = []
+    breaks: list[int] = []
     for k, kind in enumerate(kinds):
         if kind != "data":
             continue
         if runs and _joined(rows, kinds, runs[-1][1], k, titles):
             runs[-1][1] = k + 1
+        elif runs and lines and _goes_on(rows, lines, runs[-1][1], k, style):
+            runs[-1][1] = k + 1
+            breaks.append(k)
         else:
             runs.append([k, k + 1])
     found = [_block(rows, kinds, a, b, style, lines) for a, b in runs]
-    return [block for block in found if block is not None]
+    return [
+        replace(block, breaks=tuple(k for k in breaks if block.first < k < block.stop))
+        for block in found
+        if block is not None
+    ]
+
+
+def rows_above(before: Sequence[Sequence[str]], block: FoundBlock) -> tuple[tuple[str, ...], ...]:
+    """The cells of the rows above the names of a table, the nearest first, each as wide as the table."""
+    width = len(block.names)
+    near = [row for row in before[::-1][:HEADER_ROWS] if 1 < len(row) <= width]
+    return tuple((*row, *[""] * (width - len(row))) for row in near)
 
 
 def _row_kind(row: Sequence[str], style: NumberStyle) -> str:
@@ -141,6 +144,17 @@ def _joined(
     return all(tuple(rows[i]) in titles for i in between)
 
 
+def _goes_on(
+    rows: Sequence[Sequence[str]], lines: Sequence[str], end: int, k: int, style: NumberStyle
+) -> bool:
+    """Whether row ``k`` has the columns of the rows before ``end``, and the lines between both name no others."""
+    before, row = rows[end - 1], rows[k]
+    if len(before) != len(row) or len(row) < 2:
+        return False
+    same = all((style.kind(a) == TEXT) == (style.kind(b) == TEXT) for a, b in zip(before, row))
+    return same and not any(names_columns(rows[i], lines[i], len(row)) for i in range(end, k) if rows[i])
+
+
 def _block(
     rows: Sequence[Sequence[str]],
     kinds: Sequence[str],
@@ -155,23 +169,25 @@ def _block(
     width = max([width, *(len(row) for row in data)])
     if len(data) < FEWEST_ROWS or width < 2:
         return None
-    above = _header_cells(rows, kinds, first, width, style, lines)
+    above = header_cells(rows, kinds, first, width, style, lines)
     rows = [above.get(k, row) for k, row in enumerate(rows)]
     columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(width))
-    header, unit_row = _header_rows(rows, kinds, first, columns)
-    end, listed = _listed_names(rows, first, lines, width, style)
-    if listed and (header is None or header < end):  # a header below the list counts
-        names = _names(listed, width)[0]
+    header, unit_row = header_rows(rows, kinds, first, columns, style)
+    end, listed = listed_names(rows, first, lines, width, style)
+    stated = listed and has_bracketed_units(listed)
+    plain = header is not None and (not stated or names_each(rows[header], width, style))
+    if listed and (header is None or header < end or not plain):  # a header below the list counts
+        names = unique_names(listed, width)[0]
         return FoundBlock(None, first, stop, names, ("",) * width, columns, True)
     written = list(rows[header]) if header is not None else []
     below = rows[unit_row] if unit_row is not None else []
     if lines and header is not None and unit_row is not None and len(written) == width > len(below):
         below = words_below(lines[header], lines[unit_row], width) or below
-    filled = _filled_from(written, below)
-    names, own = _names(filled, width)
+    filled = filled_from(written, below)
+    names, own = unique_names(filled, width)
     own = own or filled != written or (header is not None and rows[header] is not original[header])
-    units = [without_markup(cell) for cell in (below if is_units_row(below) else _units_in(below, columns))]
-    units = [_unbracketed(cell) for cell in units] + [""] * (len(names) - len(units))
+    units = [without_markup(cell) for cell in (below if is_units_row(below) else units_in(below, columns))]
+    units = [unbracketed(cell) for cell in units] + [""] * (len(names) - len(units))
     last = unit_row if unit_row is not None or header is None else header
     comments = _comments(rows[last + 1 : first], len(names)) if last is not None else ()
     constants = tuple((name, cell) for name, cell in zip(names, below) if is_number(cell, style.decimal))
@@ -181,155 +197,19 @@ def _block(
 
 
 def _comments(rows: Sequence[Sequence[str]], width: int) -> tuple[str, ...]:
-    """What rows below the units say of each column; a row of one cell is a title, and says nothing of a column."""
-    cells = [[*row, *[""] * width][:width] for row in rows if len(row) > 1]
+    """What rows below the units say of each column; a row of one cell, or of more words than there are columns, is a
+    title, and says nothing of a column.
+    """
+    cells = [[*row, *[""] * width][:width] for row in rows if 1 < len(row) <= width]
     return tuple(without_markup(" ".join(filter(None, column))) for column in zip(*cells))
 
 
-def _header_cells(
-    rows: Sequence[Sequence[str]],
-    kinds: Sequence[str],
-    first: int,
-    width: int,
-    style: NumberStyle,
-    lines: Sequence[str],
-) -> dict[int, Sequence[str]]:
-    """The cells of the rows above the numbers that another sign divides into as many words as there are columns.
-
-    Blanks align such words anywhere above the numbers; any sign may divide them next to the numbers, and above units.
-    """
-    found: dict[int, Sequence[str]] = {}
-    nearest = True
-    for k in range(first - 1, max(first - 3 - _HEADER_ROWS, -1), -1):
-        if kinds[k] == "data":
-            break
-        if kinds[k] == "blank":
-            continue
-        line = lines[k] if lines else rows[k][0] if len(rows[k]) == 1 else ""
-        signs = _HEADER_SIGNS if nearest else _HEADER_SIGNS[:1]
-        if words := _words(rows[k], line, width, signs, style):
-            found[k] = words
-        nearest = nearest and is_units_row(found.get(k, rows[k]))
-    return found
-
-
-def _words(
-    row: Sequence[str], line: str, width: int, signs: Sequence[str], style: NumberStyle
-) -> list[str] | None:
-    """The words of a line, none of them a number, if a sign divides it into as many as there are columns; None for a
-    row that has as many cells already, or that the sign of the numbers divides. A sign of comments is left out.
-    """
-    start = _COMMENT.sub("", row[0]) if row else ""
-    if len(row) == width:
-        return [start, *row[1:]] if start not in ("", row[0]) else None
-    if len(row) > 1 and list(row) != line.split():
-        return None
-    text = _COMMENT.sub("", line).strip()
-    for sign in signs:
-        words = [word.strip().strip('"') for word in re.split(sign, text)]
-        words = words if len(words) == width else with_brackets_joined(words)
-        plain = all(word and style.kind(word) == TEXT for word in words)
-        unlike = sign == _ALIGNED or len(set(words)) == width or is_units_row(words)
-        if len(words) == width and plain and unlike:
-            return words
-    return None
-
-
-def _header_rows(
-    rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, columns: Sequence[str]
-) -> tuple[int | None, int | None]:
-    """The row of names and the row of units above the first row of numbers; ``columns``: the kinds of the columns."""
-    width = len(columns)
-    above: list[int] = []
-    for k in range(first - 1, max(first - 2 - _HEADER_ROWS, -1), -1):
-        if kinds[k] == "data":
-            break
-        if kinds[k] == "text":
-            above.append(k)
-    wide = [k for k in above[:_HEADER_ROWS] if _fills(rows[k], width) or is_units_row(rows[k])]
-    if not wide:
-        return None, None
-    for k, before in zip(wide, wide[1:]):
-        near = all(kinds[i] == "blank" for i in range(before + 1, k))
-        if near and is_units_row(rows[k]) and not is_units_row(rows[before]):
-            return before, k
-    named = [k for k in wide if has_bracketed_units(rows[k])]
-    if named and named[0] != wide[0] and not is_units_row(rows[wide[0]]):
-        return named[0], None  # what stands below the names describes the channels
-    if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
-        return wide[1], wide[0]
-    return wide[0], None
-
-
-def _listed_names(
-    rows: Sequence[Sequence[str]], first: int, lines: Sequence[str], width: int, style: NumberStyle
-) -> tuple[int, list[str]]:
-    """The names that numbered lines before a table list, as "Sig1 Time (min)", one for each column, from 1 or 0 on; and
-    the row after the last of them.
-    """
-    begin = max(first - HEADER_WITHIN, 0)
-    texts = [lines[k] if lines else "\t".join(rows[k]) for k in range(begin, first)]
-    found = [_LISTED.fullmatch(_COMMENT.sub("", text).strip()) for text in texts]
-    for last in range(len(texts), width - 1, -1):
-        group = [match for match in found[last - width : last] if match and style.kind(match[3]) == TEXT]
-        numbers = [int(match[2]) for match in group]
-        if numbers in (list(range(1, width + 1)), list(range(width))) and len({m[1] for m in group}) == 1:
-            return begin + last, [match[3].strip().strip('"') for match in group]
-    return 0, []
-
-
-def _has_units_of(below: Sequence[str], names: Sequence[str], columns: Sequence[str]) -> bool:
-    """Whether a row has units for most columns of numbers, and names for the others, below a row of other names."""
-    units = sum(map(bool, _units_in(below, columns)))
-    different = len(set(filter(None, names))) == sum(map(bool, names)) >= len(columns) - 1
-    return different and 2 * units > columns.count(NUMBER) and units > sum(map(is_unit, names))
-
-
-def _units_in(row: Sequence[str], columns: Sequence[str]) -> list[str]:
-    """The cells that are units, but for those of clocks; "" for others, such as a name that stands there too."""
-    return [cell if kind != CLOCK and is_unit(_unbracketed(cell)) else "" for cell, kind in zip(row, columns)]
-
-
-def _filled_from(names: Sequence[str], below: Sequence[str]) -> list[str]:
-    """The names, with those of the row of units where they have none: "Time(ms)" stands there alone."""
-    rest = [*below[: len(names)], *[""] * (len(names) - len(below))]
-    return [name or ("" if is_units_row([cell]) else cell) for name, cell in zip(names, rest)]
-
-
-def _fills(row: Sequence[str], width: int) -> bool:
-    """Whether a row has cells for most columns."""
-    cells = [_COMMENT.sub("", row[0]), *row[1:]] if row else []  # "# END" is one word
-    cells = cells if cells and cells[0] else cells[1:] if row and row[0] else cells
-    return len(cells) >= width or 2 * sum(bool(cell) for cell in cells) > width
-
-
-def _names(written: Sequence[str], width: int) -> tuple[tuple[str, ...], bool]:
-    """Unique names of the columns, and whether they differ from what the header's cells say."""
-    cells = [without_markup(_COMMENT.sub("", cell) if k == 0 else cell) for k, cell in enumerate(written)]
-    if len(cells) == width + 1 and not cells[0]:
-        cells = cells[1:]
-    if len(cells) > width:
-        cells = with_brackets_joined(cells)
-    if not cells or len([c for c in cells if c]) * 2 < min(width, len(cells)):
-        cells = []
-    names = [cell or f"column {k + 1}" for k, cell in enumerate(cells)]
-    names += [f"column {k + 1}" for k in range(len(names), width)]
-    times: Counter[str] = Counter()
-    unique = []
-    for name in names:
-        times[name] += 1
-        unique.append(name if times[name] == 1 else f"{name} ({times[name]})")
-    plain = [cell or f"column {k + 1}" for k, cell in enumerate(written)]
-    return tuple(unique), unique != plain
-
-
-def _unbracketed(cell: str) -> str:
-    match = _BRACKETED.fullmatch(cell.strip())
-    return (match[1] if match else cell).strip()
-
-
 def _column_kind(cells: Sequence[str], style: NumberStyle) -> str:
-    """The kind of a column: that of most of its cells that are not missing."""
+    """The kind of a column: that of most of its cells that are not missing. A column that is blank, as that of
+    comments, may hold a text further down.
+    """
+    if cells and not any(cells):
+        return TEXT
     found = Counter(style.kind(cell) for cell in [cell for cell in cells if not is_missing(cell)][:5000])
     if not found:
         return NUMBER

@@ -2,25 +2,27 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from smarig.core import DataError
 from smarig.exchange.cell_values import has_thousands
-from smarig.exchange.channel_rows import channel_rows, check_one_channel
+from smarig.exchange.channel_rows import check_one_channel
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
-from smarig.exchange.logged_rows import logged_rows
+from smarig.exchange.json_document import no_table_in
 from smarig.exchange.table_file import read_table
 from smarig.exchange.table_rows import split
-from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks
+from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import (
     DELIMITERS,
     HEADER_WITHIN,
-    MAX_LINE,
     TableLayout,
-    check_lines,
+    long_cells_refused,
     preamble_keys,
     read_text,
+    table_lines,
 )
 from smarig.exchange.unit_systems import units_of_system
 from smarig.exchange.written_units import known_unit
@@ -54,9 +56,17 @@ class _Dialect:
 def text_tables(path: Path) -> list[FoundTable]:
     """The tables of a text file, in order; DataError if it holds none."""
     text, _ = read_text(path)
-    lines = text.splitlines()
-    check_lines(path, lines, MAX_LINE)
-    lines = channel_rows(logged_rows(lines).lines).lines
+    try:
+        with long_cells_refused(path):
+            return _found_tables(path, table_lines(path, text).lines)
+    except DataError:
+        if why := no_table_in(text):
+            raise DataError(f"{path} holds no table. {why}") from None
+        raise
+
+
+def _found_tables(path: Path, lines: Sequence[str]) -> list[FoundTable]:
+    """The tables in lines of text; DataError if there is none."""
     dialect = _chosen(lines)
     blocks = _blocks(lines, dialect) if dialect else []
     if not dialect or not blocks:
@@ -64,17 +74,30 @@ def text_tables(path: Path) -> list[FoundTable]:
             f"{path} holds no table: it has no {FEWEST_ROWS} lines that are mostly numbers, two or more. "
             "Give a file of measured columns."
         )
-    found, refused = [], None
+    found: list[FoundTable] = []
+    left_out: dict[str, str] = {}
+    refused = None
     for block in blocks:
         try:
             table = _table(path, lines, dialect, block, blocks)
         except DataError as error:  # a list of segments, for example, before the readings
             refused = refused or error
+            if "text" not in block.kinds:  # lines of a key and its values are no rows
+                left_out[_lines_of(block)] = str(error)
             continue
-        found += [table] if table is not None else []
+        if table is None:
+            left_out[_lines_of(block)] = (
+                "no names of columns stand above these rows, and another table stands before them"
+            )
+        else:
+            found.append(table)
     if refused is not None and not found:
         raise refused
-    return found
+    return [replace(found[0], left_out=left_out), *found[1:]]
+
+
+def _lines_of(block: FoundBlock) -> str:
+    return f"lines {block.first + 1} to {block.stop}"
 
 
 def _blocks(lines: Sequence[str], dialect: _Dialect) -> list[FoundBlock]:
@@ -130,7 +153,8 @@ def _rating(dialect: _Dialect, sample: Sequence[str]) -> float:
     for block in find_blocks(rows, dialect.style):
         for row in rows[block.first : block.stop]:
             kinds = [dialect.style.kind(cell) for cell in row if cell]
-            total += sum(1.0 if kind != TEXT else -0.6 for kind in kinds)
+            signs = sum(cell in ("+", "-") for cell in row)  # of numbers that this delimiter cuts in two
+            total += sum(1.0 if kind != TEXT else -0.6 for kind in kinds) - signs
     return total
 
 
@@ -159,6 +183,7 @@ def _table(
         thousands=dialect.style.thousands,
         header_line=entries.get("header_line", 0),
         units_rows=entries.get("units_rows", 0),
+        interruptions=entries.get("interruptions", "refuse"),
         clock=clock,
         text=tuple(name for name, kind in kinds.items() if kind != "number" and name != clock),
     )
@@ -179,6 +204,8 @@ def _table(
         ),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]) | dict(block.constants),
+        above=rows_above(dialect.rows(before), block),
+        breaks=tuple(np.searchsorted(table.line, [k + 1 for k in block.breaks]).tolist()),
     )
 
 
@@ -190,9 +217,22 @@ def _units(block: FoundBlock, dialect: _Dialect, before: Sequence[str]) -> dict[
     if not any(units):
         units = units_of_system(block.names, before)
     for row in dialect.rows(before) if not any(units) else ():
-        if row and "unit" in row[0].lower() and len(row) <= len(units):
-            units = [old or known_unit(cell) for old, cell in zip(units, ["", *row[1:], *[""] * len(units)])]
+        if len(row) > 1 and "unit" in row[0].lower() and len(row) <= len(units):
+            units = [old or known_unit(cell) for old, cell in zip(units, _of_axis(row, len(units)))]
     return dict(zip(block.names, units))
+
+
+def _of_axis(row: Sequence[str], width: int) -> list[str]:
+    """The cells of a line such as "Vertical Units,V" at their columns: the horizontal axis is the first, and one unit
+    of the vertical axis is that of all others.
+    """
+    if row[0].lower().startswith(("horizontal", "x")):
+        return [row[1], *[""] * (width - 1)]
+    cells = [*row[1:], *[""] * (width - len(row))]
+    return [
+        "",
+        *([row[1]] * (width - 1) if row[0].lower().startswith("vertical") and len(row) == 2 else cells),
+    ]
 
 
 def _entries(
@@ -200,6 +240,8 @@ def _entries(
 ) -> dict | None:
     """The [file] table of a mapping; None for a further table without a header, which no mapping can describe."""
     entries: dict = {"delimiter": dialect.delimiter}
+    if block.breaks:
+        entries["interruptions"] = "leave out"
     if dialect.style.decimal != ".":
         entries["decimal"] = dialect.style.decimal
     if dialect.style.thousands:
@@ -207,7 +249,11 @@ def _entries(
     if block.header is None:
         return entries | {"names": list(block.names)} if block is blocks[0] else None
     if len(blocks) > 1:
-        if block is blocks[-1] and any(not lines[k].strip() for k in range(block.first, block.stop)):
+        if (
+            block is blocks[-1]
+            and not block.breaks
+            and any(not lines[k].strip() for k in range(block.first, block.stop))
+        ):
             return entries | _at_line(block)  # segments with blank lines between them, up to the end
         if block.own_names:
             return None if block is not blocks[0] else entries | _at_line(block)

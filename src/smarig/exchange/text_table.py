@@ -4,8 +4,10 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 """
 
 import csv
+import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,13 +19,17 @@ from smarig.exchange.cell_values import is_number, number_column
 from smarig.exchange.channel_rows import channel_rows
 from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.eight_bit_text import eight_bit_text
-from smarig.exchange.logged_rows import logged_rows
+from smarig.exchange.interruptions import interruption_notes
+from smarig.exchange.json_document import json_document
+from smarig.exchange.logged_rows import LoggedRows, logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
-from smarig.exchange.table_rows import cells, footer_start, split
+from smarig.exchange.table_rows import cells, footer_start, split, without_interruptions
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
 MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
+_PLUS_APART = re.compile(r"(?<!\S)\+ +(?=[\d.])")
+_SIGN_APART = re.compile(r"(?<!\S)([+-]) +(?=[\d.])")
 HEADER_WITHIN = 200  # lines searched for the header
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
 
@@ -34,6 +40,7 @@ class TableLayout:
 
     ``header_line`` is its line, from 1, where its columns do not identify it; ``units_rows`` rows under it are skipped.
     ``tables`` from the ``table``-th on are one record (0: all to the end).
+    ``interruptions``: "leave out" for lines of text between the rows, which are an error otherwise.
     ``clock`` is a column of clock times; cells of ``text`` columns that are no numbers are NaN.
     """
 
@@ -47,6 +54,7 @@ class TableLayout:
     thousands: str = ""
     header_line: int = 0
     units_rows: int = 0
+    interruptions: str = "refuse"
     clock: str = ""
     text: tuple[str, ...] = ()
 
@@ -85,17 +93,33 @@ class Table:
 def read_whole_table(path: Path, layout: TableLayout) -> Table:
     """Read a text table at once; UsageError if there is no file, DataError with the line if it is not a table."""
     text, notes = read_text(path)
-    lines = text.splitlines()
-    check_lines(path, lines, MAX_LINE)
-    log = logged_rows(lines)
+    with long_cells_refused(path):
+        log = table_lines(path, text)
+        return _table(path, text, log.lines, [*notes, *log.notes], layout, log.added)
+
+
+@contextmanager
+def long_cells_refused(path: Path) -> Iterator[None]:
+    """Turn the error of a cell in quotes that does not end into a DataError."""
     try:
-        by_scan = channel_rows(log.lines)
-        notes = [*notes, *log.notes, *by_scan.notes]
-        return _table(path, text, by_scan.lines, notes, layout, log.added)
+        yield
     except csv.Error:
         raise DataError(
             f"{path}: a cell in quotes has more than {csv.field_size_limit()} characters. Check its quotation marks."
         ) from None
+
+
+def table_lines(path: Path, text: str) -> LoggedRows:
+    """The lines of a text as those of tables, whatever stands for rows; DataError for a line that is too long."""
+    if document := json_document(text):
+        return LoggedRows(*document)
+    lines = text.splitlines()
+    check_lines(path, lines, MAX_LINE)
+    if any(map(_PLUS_APART.search, lines)):  # nobody writes a plus for a missing value
+        lines = [_SIGN_APART.sub(r"\1", line) for line in lines]
+    log = logged_rows(lines)
+    by_scan = channel_rows(log.lines)
+    return LoggedRows(by_scan.lines, (*log.notes, *by_scan.notes), log.added)
 
 
 def check_lines(path: Path, lines: Sequence[str], longest: int) -> None:
@@ -130,6 +154,11 @@ def _table(
             f"The lines from {end + 1 - added} on ({shown(lines[end].strip(), 40)}) stand after the table."
         )
         lines = lines[:end]
+    if layout.interruptions == "leave out":
+        lines, between = without_interruptions(
+            lines, first, len(names), delimiter, layout, ends=bool(layout.header_starts)
+        )
+        notes += interruption_notes(between)
     rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts), again)
     starts = _further_tables(path, lines, layout)
     for later in starts:

@@ -20,7 +20,7 @@ from smarig.exchange.found_table import CLOCK, NUMBER, FoundTable, found_columns
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import WorkbookLayout
 from smarig.exchange.needed_package import needed_package
-from smarig.exchange.table_structure import FoundBlock, NumberStyle, find_blocks
+from smarig.exchange.table_structure import FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import Table, missing_notes, preamble_keys
 
 MAX_UNPACKED = 400_000_000  # bytes of all parts: a small file may unpack to more than the memory
@@ -99,6 +99,7 @@ def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) 
         columns=found_columns(path, table, dict(zip(block.names, block.units)), kinds),
         layout={"workbook": entries},
         header=table.header,
+        above=rows_above(rows[: max(header, 0)], block),
     )
 
 

@@ -132,7 +132,7 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
         return spelled(word)
     if match := _PER.fullmatch(word):
         return _quotient(match[1], match[2])
-    found = _FOREIGN.get(word.lower(), "")
+    found = _FOREIGN.get(word.lower().replace("_", " "), "")
     return "" if len(word) == 1 and word != '"' and word != "°" else found
 
 

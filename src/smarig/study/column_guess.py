@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from smarig.core import shown
-from smarig.exchange import FoundTable, convert, dimension, known_unit
+from smarig.exchange import FoundColumn, FoundTable, convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
 
@@ -22,7 +22,9 @@ _STRAIN_PERCENT = 15.0
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
 _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 together
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
+_LAST_S = 2.0**32  # from 1970: no clock of 32 bits goes on
 _OF_TEMPERATURE = re.compile(r"dT|[Tt]emp|heating|cooling|[°K]C?\s*/|degC\s*/")
+_OF_SENSOR = re.compile(r"[\w.-]+/\S+|[A-Za-z]+\d\S*")  # U9C/500N, WA20mm
 _IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
 
 
@@ -54,6 +56,11 @@ class ColumnGuess:
     def by_numbers(self) -> bool:
         """Whether neither its name nor its unit says what the column is."""
         return not self.quantity_reason.startswith(_STATED_BY)
+
+    @property
+    def is_named(self) -> bool:
+        """Whether its name says what the column is; a unit alone does not tell it from others in that unit."""
+        return self.quantity_reason.startswith("its name")
 
     def without_meaning(self) -> "ColumnGuess":
         """The guess without the quantity and unit that its numbers alone suggested."""
@@ -103,8 +110,10 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
     written = written or (label if _is_part_of_second(label) else "")
     whole = q.quantity_of_name(label)[0] == q.RATE  # dB/dt is no path
-    quantity, commanded = (
-        q.quantity_of_name(label if whole else label.split("/")[-1]) if label else ("", False)
+    parts = [label] if whole else label.split("/")[::-1]  # of a path, the last that says something
+    quantities = [q.quantity_of_name(part) for part in parts if part]
+    quantity, commanded = next(
+        (found for found in quantities if found[0]), quantities[0] if quantities else ("", False)
     )
     quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
     unit = known_unit(
@@ -122,7 +131,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     if (
         by_unit
         and (by_unit == q.RATE or dimension(unit) not in q.DIMENSIONS.get(quantity, ()))
-        and quantity not in _WHATEVER_UNIT
+        and (quantity not in _WHATEVER_UNIT or by_unit == q.TIME)  # "sample rate [s]" states a time
     ):
         quantity, reason, confidence = by_unit, f"its unit {unit or written}", LIKELY
     elif quantity == q.CHARGE and not unit:
@@ -275,6 +284,23 @@ def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
     return found
 
 
+def conditions_in_comments(columns: Sequence[FoundColumn]) -> dict[str, tuple[float, str]]:
+    """Conditions that the comments of columns state. The name of a sensor, as U9C/500N, states none; nor does a value
+    in the unit of its own column, which is the range of a channel.
+
+    >>> stated = lambda unit, comment: conditions_in_comments([FoundColumn("F", unit, np.ones(2), comment=comment)])
+    >>> stated("mV/V", "U9C/500N"), stated("N", "500 N"), stated("N", "60 MPa")
+    ({}, {}, {'stress': (60.0, 'MPa')})
+    """
+    found = {}
+    for column in columns:
+        own = dimension(known_unit(q.name_and_unit(column.name, column.unit)[1]))
+        of_sensors = _OF_SENSOR.sub(" ", column.comment)
+        stated = conditions_in_name(of_sensors).items()
+        found |= {name: (value, unit) for name, (value, unit) in stated if dimension(unit) != own}
+    return found
+
+
 def _with_steps_as_rates(guesses: Sequence[ColumnGuess]) -> list[ColumnGuess]:
     """The guesses; a column that holds the step of another one from row to row, as a charge per row, is a rate."""
     found = []
@@ -320,6 +346,10 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
         case q.STRESS:
             unit = "Pa" if most > 1e5 else "MPa"
             reason, sure = f"{most:.3g} is a usual stress in {unit}", LIKELY
+        case q.TIME if f.low > _LAST_S:
+            parts = (("ms", 1e3), ("us", 1e6), ("ns", 1e9))
+            unit = next((unit for unit, number in parts if f.low <= _LAST_S * number), "s")
+            reason, sure = "as seconds, its times would lie after the year 2106", LIKELY
         case q.TIME:
             unit, reason, sure = "s", "the usual unit of time", 0.7
         case q.CURRENT | q.VOLTAGE | q.RESISTANCE | q.POWER:

@@ -1,14 +1,20 @@
-"""Pairs of columns side by side in one table, as X Y X Y of a plotting program: each pair is a run of its own."""
+"""Groups of columns side by side in one table, as X Y X Y of a plotting program, or time, force and stroke of one
+specimen after the other: each group is a run of its own.
+"""
 
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
+from smarig.core import Array
 from smarig.exchange import FoundColumn, FoundTable
-from smarig.study.column_guess import conditions_in_name
+from smarig.study.column_guess import conditions_in_comments
 from smarig.study.input_turns import wide_turns
+from smarig.study.row_parts import table_of_rows
+from smarig.study.table_guess import TableGuess, guess_table
 
 _AGAIN = re.compile(r"(.+) \((\d+)\)")  # a name that was written before
 _FEWEST = 2  # columns of a group, and groups of a table
@@ -18,12 +24,15 @@ def tables_of_pairs(table: FoundTable, named: Collection[str | None] = ()) -> li
     """A table for each group of columns whose names and units repeat; the table itself if none do.
 
     The columns of the other groups are kept behind the own ones as texts, so that a mapping lists them. Groups of
-    single branches, without a load of their own, may be the branches of one loop: they stay together. So do all if the
-    user has ``named`` a column of a later group.
+    single branches, without a load or a clock of their own, may be the branches of one loop: they stay together. So do
+    all if the user has ``named`` a column of a later group.
     """
     groups = _groups(table)
     chosen = {column.name for group in groups[1:] for column in group} & set(named)
-    if len(groups) < _FEWEST or chosen or not all(_is_run(group) for group in groups):
+    if len(groups) < _FEWEST or chosen:
+        return [table]
+    guesses = [guess_table(_part(table, group)) for group in groups]
+    if not (_have_own_clocks(guesses) or all(map(_is_run, groups, guesses))):
         return [table]
     return [_table_of(table, groups, k) for k in range(len(groups))]
 
@@ -51,12 +60,34 @@ def _plain(name: str, names: Sequence[str]) -> str:
     return match[1] if match and match[1] in names else name
 
 
-def _is_run(group: Sequence[FoundColumn]) -> bool:
-    """Whether a group has a load of its own, or its first column goes up and down."""
-    if conditions_in_name(comment_of(group)):
+def _part(table: FoundTable, group: Sequence[FoundColumn]) -> FoundTable:
+    """The columns of a group, as far as one of them has a number: specimens differ in their rows."""
+    return table_of_rows(replace(table, columns=tuple(group)), _filled(group))
+
+
+def _filled(group: Sequence[FoundColumn]) -> slice:
+    """The rows from the first number of a group to its last one."""
+    rows = np.flatnonzero(np.isfinite([column.values for column in group]).any(axis=0))
+    return slice(int(rows[0]), int(rows[-1]) + 1) if rows.size else slice(0, 0)
+
+
+def _is_run(group: Sequence[FoundColumn], guess: TableGuess) -> bool:
+    """Whether a group has a load of its own, or its input or its first column goes up and down."""
+    if conditions_in_comments(group):
         return True
-    x = group[0].values[np.isfinite(group[0].values)]
+    drive = guess.first("input")
+    return _turns(group[0].values) or (drive is not None and _turns(drive.facts.values))
+
+
+def _turns(values: Array) -> bool:
+    x = values[np.isfinite(values)]
     return bool(x.size and np.ptp(x) > 0 and wide_turns(x).size > 2)
+
+
+def _have_own_clocks(guesses: Sequence[TableGuess]) -> bool:
+    """Whether each group has a clock, and none goes on where the clock of the group before it ended."""
+    clocks = [clock.facts for guess in guesses if (clock := guess.first("time"))]
+    return len(clocks) == len(guesses) and all(b.known[0] <= a.known[-1] for a, b in pairwise(clocks))
 
 
 def _table_of(table: FoundTable, groups: Sequence[tuple[FoundColumn, ...]], number: int) -> FoundTable:
@@ -70,10 +101,24 @@ def _table_of(table: FoundTable, groups: Sequence[tuple[FoundColumn, ...]], numb
         for column, name in zip(groups[k], new[k])
     ]
     entries = table.layout["file"] | {"names": [name for k in range(len(groups)) for name in new[k]]}
-    title = comment_of(groups[number]) or f"columns {number + 1}"
-    return replace(
+    titles = _titles(table, groups)
+    title = comment_of(groups[number]) or (titles[number] if titles else f"columns {number + 1}")
+    found = replace(
         table,
         name=f"{table.name} {title}".strip(),
         columns=tuple(columns),
         layout={**table.layout, "file": entries},
     )
+    rows = _filled(groups[number])
+    return found if rows == slice(0, len(table)) else table_of_rows(found, rows)
+
+
+def _titles(table: FoundTable, groups: Sequence[Sequence[FoundColumn]]) -> list[str]:
+    """What a row above the names says of each group, as names of specimens; [] unless it differs for each."""
+    width = len(groups[0])
+    for row in table.above:
+        cells = [list(filter(None, row[k * width : (k + 1) * width])) for k in range(len(groups))]
+        titles = [" ".join(words) for words in cells]
+        if all(len(words) == 1 for words in cells) and len(set(titles)) == len(titles):
+            return titles
+    return []

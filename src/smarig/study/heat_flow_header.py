@@ -8,7 +8,7 @@ from smarig.exchange import FoundTable, preamble_lines
 
 _DIRECTION = re.compile(r"\b(exo|endo)[a-z]*\b[^a-z]*(?:direction\b[^a-z]*)?(up|down)\b", re.IGNORECASE)
 _ARROW = re.compile(r"([\^↑↓])\s*(exo|endo)|(exo|endo)[a-z]*\s*([\^↑↓])", re.IGNORECASE)
-_MASS = re.compile(r"sample mass\W*(?:mg\W*)?(\d+(?:[.,]\d+)?)", re.IGNORECASE)
+_MASS = re.compile(r"sample (?:mass|weight)\W*(?:mg\W*)?(\d+(?:[.,]\d+)?)", re.IGNORECASE)
 _OTHER = {"up": "down", "down": "up"}
 
 

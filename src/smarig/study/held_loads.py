@@ -11,6 +11,7 @@ from smarig.measurement import noise_range
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess
 from smarig.study.input_turns import wide_turns
+from smarig.study.row_parts import table_of_rows
 from smarig.study.signal_columns import holds_still
 from smarig.study.table_guess import guess_table
 
@@ -19,7 +20,7 @@ _FORC = "forc"
 
 
 def tables_of_loads(table: FoundTable, drive: str | None = None, out: str | None = None) -> list[FoundTable]:
-    """The table, or one for each stretch in which its force or stress is held for a cycle of the input or more.
+    """The table, or one for each stretch in which its force, stress or field is held for a cycle of the input or more.
 
     ``drive`` and ``out`` are columns that the user names.
     """
@@ -27,9 +28,7 @@ def tables_of_loads(table: FoundTable, drive: str | None = None, out: str | None
         return [table]
     guess = guess_table(table, input=drive, output=out)
     target, used = guess.first("input"), (*guess.of_role("input"), *guess.of_role("output"))
-    loads = [
-        c for c in guess.columns if c.quantity in (q.STRESS, q.FORCE) and c not in used and not c.by_numbers
-    ]
+    loads = [c for c in guess.columns if c.quantity in q.LOADS and c not in used and not c.by_numbers]
     if target is None or any(holds_still(load) for load in loads):
         return [table]
     for load in loads:
@@ -63,17 +62,12 @@ def _has_cycle(drive: ColumnGuess, part: slice) -> bool:
 
 def _is_held(table: FoundTable, load: ColumnGuess, part: slice) -> bool:
     """Whether the load counts as held in these rows, as in a table of its own."""
-    own = next(c for c in guess_table(_rows(table, part)).columns if c.name == load.name)
+    own = next(c for c in guess_table(table_of_rows(table, part)).columns if c.name == load.name)
     return holds_still(own)
-
-
-def _rows(table: FoundTable, part: slice) -> FoundTable:
-    return replace(table, columns=tuple(replace(c, values=c.values[part]) for c in table.columns))
 
 
 def _part(table: FoundTable, load: ColumnGuess, part: slice, number: int) -> FoundTable:
     """The rows as a table whose mapping selects them."""
     level = float(np.nanmedian(load.facts.values[part]))
     title = f"{table.name} {level:.3g} {load.unit}".strip()
-    layout = {**table.layout, "rows": {"first": part.start + 1, "last": part.stop}}
-    return replace(_rows(table, part), name=f"{title} part {number}", layout=layout)
+    return replace(table_of_rows(table, part), name=f"{title} part {number}")

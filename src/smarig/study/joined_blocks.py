@@ -8,12 +8,19 @@ import numpy as np
 
 from smarig.exchange import FoundColumn, FoundTable
 from smarig.study.column_guess import ColumnGuess
+from smarig.study.row_parts import table_of_rows
 from smarig.study.table_guess import TableGuess, guess_table
+
+FEWEST_ROWS = 3  # by which columns are guessed
 
 
 def joined_blocks(tables: Sequence[FoundTable]) -> list[FoundTable]:
-    """The tables of a file in order; neighbours with equal names and units that go on are joined to one."""
-    if len(tables) < 2 or not all("header_starts" in table.layout.get("file", {}) for table in tables):
+    """The tables of a file in order; neighbours with equal names and units that go on are joined to one, and a table
+    is divided at lines of text where it does not go on.
+    """
+    if len(tables) == 1:
+        return _divided(tables[0])
+    if not all("header_starts" in table.layout.get("file", {}) for table in tables):
         return list(tables)
     guesses = [guess_table(table) for table in tables]
     records: list[list[TableGuess]] = [guesses[:1]]
@@ -27,6 +34,27 @@ def joined_blocks(tables: Sequence[FoundTable]) -> list[FoundTable]:
     return [replace(found[0], name="")] if len(found) == 1 else found
 
 
+def _divided(table: FoundTable) -> list[FoundTable]:
+    """The records of a table: another begins below a line of text where neither its clock nor its input goes on."""
+    edges = [0, *table.breaks, len(table)]
+    parts = [(a, b) for a, b in pairwise(edges) if b - a >= FEWEST_ROWS]
+    guesses = [guess_table(table_of_rows(table, slice(a, b))) for a, b in parts]
+    starts = [
+        a
+        for (before, after), (a, _) in zip(pairwise(guesses), parts[1:])
+        if not (_goes_on(before, after) or _restarts(before, after))
+    ]
+    if not starts:
+        return [table]
+    records = [slice(a, b) for a, b in pairwise([0, *starts, len(table)])]
+    return [replace(table_of_rows(table, rows), name=f"part {k}") for k, rows in enumerate(records, 1)]
+
+
+def _restarts(before: TableGuess, after: TableGuess) -> bool:
+    """Whether the clock starts again, but a branch starts where the one before ended."""
+    return not _other_load(before, after) and _branch_goes_on(before, after)
+
+
 def _goes_on(before: TableGuess, after: TableGuess) -> bool:
     """Whether a block continues the one before: by its clock; without one, a branch that starts where the one before
     ended. Blocks at another load are records of their own, and so are closed loops.
@@ -37,8 +65,13 @@ def _goes_on(before: TableGuess, after: TableGuess) -> bool:
     if clocks[0] is not None and clocks[1] is not None:
         a, b = (clock.facts for clock in clocks if clock is not None)
         return a.name == b.name and "clock" not in (a.kind, b.kind) and bool(b.known[0] > a.known[-1])
+    return clocks == (None, None) and _branch_goes_on(before, after)
+
+
+def _branch_goes_on(before: TableGuess, after: TableGuess) -> bool:
+    """Whether both blocks are single branches of one input, and the second starts where the first ended."""
     ends = before.first("input"), after.first("input")
-    if clocks != (None, None) or ends[0] is None or ends[1] is None or ends[0].name != ends[1].name:
+    if ends[0] is None or ends[1] is None or ends[0].name != ends[1].name:
         return False
     return _one_way(ends[0]) and _one_way(ends[1]) and _starts_at_end(ends[0], ends[1])
 

@@ -4,10 +4,9 @@ import json
 import re
 from typing import Any
 
-from smarig.exchange import convert, dimension
+from smarig.exchange import convert, dimension, known_unit
 from smarig.study import quantity_words as q
-from smarig.study.column_guess import ColumnGuess, conditions_in_name
-from smarig.study.column_pairs import comment_of
+from smarig.study.column_guess import ColumnGuess, conditions_in_comments, conditions_in_name
 from smarig.study.row_period import row_period
 from smarig.study.second_thermometer import AGREE_K
 from smarig.study.table_guess import TableGuess
@@ -15,8 +14,10 @@ from smarig.study.table_guess import TableGuess
 _STORED = {"length": "mm", "temperature": "degC", "ratio": "mm/mm"}  # units in which outputs are stored
 _HEAT_FLOWS = {"heat flow": "W/g", "power": "mW"}
 _CHANNELS = {q.TEMPERATURE: "temperature_degC", q.CURRENT: "current_A"}
-_CONDITIONS = {q.STRESS: "stress", q.FORCE: "load"}
+_CONDITIONS = {q.STRESS: "stress", q.FORCE: "load", q.FIELD: "magnetic_field"}
 _HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
+_SCALARS = _CONDITIONS | {q.AMBIENT: "room_temperature"}
+_OF_SPECIMEN = ("applied", "constant", "nominal", "sample", "specimen", "wire", "temperature")
 _UNUSED = ("ignored", "elsewhere")  # roles of columns that are not imported
 _KEY_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]")
 
@@ -41,6 +42,7 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
         lines += ['written = "clock"'] if time.facts.kind == "clock" else [f"unit = {_s(time.unit or 's')}"]
         for part in guess.of_role("fraction"):
             lines += [f"fraction = {_s(part.name)}" + _why(guess, part), f"fraction_unit = {_s(part.unit)}"]
+        lines += ['empty = "leave out"     # rows without a time'] if time.facts.missing else []
         lines += ['restarts = "join"     # a log that was resumed'] if time.facts.restarts else []
         repeats = _repeats(time) and not guess.of_role("fraction")
         lines += ['repeated = "mean"     # several rows have the same time'] if repeats else []
@@ -145,16 +147,37 @@ def _mapped(guess: TableGuess) -> set[str]:
 def _condition_lines(guess: TableGuess) -> list[str]:
     lines = []
     used = [c for c in guess.table.columns if guess.roles[c.name].role in ("input", "output")]
-    named = conditions_in_name(guess.table.path.stem) | conditions_in_name(comment_of(used))
-    for c in guess.of_role("condition"):
-        key = _CONDITIONS[c.quantity]
+    clock = conditions_in_comments([c for c in guess.table.columns if guess.roles[c.name].role == "time"])
+    stated = (
+        conditions_in_comments(used).items() - clock.items()
+    )  # a rate of logging is no frequency of the wire
+    named = conditions_in_name(guess.table.path.stem) | dict(stated)
+    columns = [_CONDITIONS[c.quantity] for c in guess.of_role("condition")]
+    for c, key in zip(guess.of_role("condition"), columns, strict=True):
         named.pop(key, None)
         if key == "load" and dimension(c.unit) != "force":
             continue
         lines.append(f"{key} = {{ column = {_s(c.name)}, unit = {_s(c.unit)} }}{_why(guess, c)}")
     named |= header_conditions(guess)
+    named |= {key: value for key, value in _scalar_conditions(guess).items() if key not in columns}
     lines += [f"{key} = {{ value = {value!r}, unit = {_s(unit)} }}" for key, (value, unit) in named.items()]
     return ["", "[conditions]", *lines] if lines else []
+
+
+def _scalar_conditions(guess: TableGuess) -> dict[str, tuple[float, str]]:
+    """Conditions among the single numbers of a record: those whose name states a quantity and nothing else, in a unit
+    of it, as "stress" does, but not "stress_limit".
+    """
+    found = {}
+    for name, (value, written) in guess.table.scalars.items():
+        label, unit = q.name_and_unit(name, written)
+        words = [word for word in re.split(r"[\W_]+", label.lower()) if word not in _OF_SPECIMEN]
+        quantities = {q.quantity_of_name(word)[0] for word in words}
+        quantity = quantities.pop() if len(quantities) == 1 else ""
+        key, known = _SCALARS.get(quantity, ""), known_unit(unit, temperature=True)
+        if key and dimension(known) in q.DIMENSIONS.get(quantity, ()):
+            found[key] = (value, known)
+    return found
 
 
 def header_conditions(guess: TableGuess) -> dict[str, tuple[float, str]]:

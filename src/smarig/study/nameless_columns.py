@@ -70,7 +70,8 @@ def unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
     """Roles by a loop are a doubt if further columns without names could be the output: neither a copy of the input
     nor a further thermometer.
     """
-    rivals = [c for c in left if c.name not in (found.drive.name, found.out.name) and c.by_numbers]
+    others = [c for c in left if c.name not in (found.drive.name, found.out.name)]
+    rivals = [c for c in others if c.by_numbers or not (c.is_named or found.out.is_named)]
     rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
     rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
     if not rivals:

@@ -18,6 +18,7 @@ FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 HEAT_FLOW = "heat flow"
 CHARGE = "charge"
+LOADS = (STRESS, FORCE, FIELD)  # under which a wire is cycled, if they are held
 
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
@@ -36,7 +37,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         INDEX,
         r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",
     ),
-    (TIME, r"^t$|time|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
+    (TIME, r"^t$|^tout$|time|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
     (DUTY, r"pwm|duty|control input|tastgrad"),
     (
         TEMPERATURE,

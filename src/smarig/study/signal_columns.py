@@ -117,13 +117,18 @@ def is_grid(c: ColumnGuess) -> bool:
 
 
 def holds_still(c: ColumnGuess) -> bool:
-    """Whether a load or a temperature was held, whatever noise it has. Other columns count if they move at all."""
+    """Whether a load, field or temperature was held, whatever noise it has. Other columns count if they move at all.
+
+    A field may be held at zero: its noise differs from row to row, and a path does not.
+    """
     mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
     if c.quantity == q.STRESS:
         noise = _differs_from_row_to_row(c.facts.known) and mean > 3 * float(np.std(c.facts.known))
         return spread <= _STRESS_SHARE * mean or noise
     if c.quantity == q.FORCE:
         return c.unit != "count" and spread <= _FORCE_SHARE * mean
+    if c.quantity == q.FIELD:
+        return c.facts.constant or _differs_from_row_to_row(c.facts.known)
     if c.quantity == q.TEMPERATURE:
         return c.facts.span < _HELD_K
     return c.facts.levels <= 1

@@ -4,7 +4,13 @@ import re
 from collections.abc import Sequence
 
 from smarig.core import capitalised, spaced
-from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis, offset_sentence, variable_words
+from smarig.diagnosis import (
+    CommandedDiagnosis,
+    MeasuredDiagnosis,
+    doubtful_causes,
+    offset_sentence,
+    variable_words,
+)
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.plant import parameter_words
 from smarig.report import display_unit, number
@@ -153,13 +159,13 @@ def _finding(d: CommandedDiagnosis | MeasuredDiagnosis, first_line: str, *, at_n
         if at_noise:
             return "The diagnosis finds no systematic error: what is left looks like noise."
         return "The diagnosis finds no cause for the errors that are left."
-    if word == "unknown" and variable:
-        named = " and ".join(map(variable_words, variable.split(" and ")))
-        return (
-            f"The errors that are left vary with {named}; no known effect explains them{_learned_instead(d)}."
-        )
     if word == "unknown":
-        return f"The errors that are left are more than noise, but no known effect explains them{_learned_instead(d)}."
+        named = " and ".join(map(variable_words, variable.split(" and "))) if variable else ""
+        what = f"vary with {named}" if named else "are more than noise"
+        if d.verdict.names:  # an effect explains them, but the verdict has a doubt
+            return f"The errors that are left {what}. {doubtful_causes(d.verdict, d.causes)}"
+        joined = "; " if named else ", but "
+        return f"The errors that are left {what}{joined}no known effect explains them{_learned_instead(d)}."
     if word == "named" and isinstance(d, MeasuredDiagnosis) and d.best is not None:
         return " ".join(_effects(d))
     return first_line if first_line.endswith(".") else f"{first_line}."

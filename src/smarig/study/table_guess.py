@@ -25,8 +25,10 @@ from smarig.study.column_guess import (
 )
 from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
+from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
+from smarig.study.thermometer_places import distance
 from smarig.study.typed_names import typed_name
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
@@ -172,7 +174,18 @@ def guess_table(
         if drive is not None and out is not None and output is not None and input is None and len(left) > 2:
             against = doubt_by_loop(drive, out)  # of two columns, the answer on one settles the other
             roles |= {drive.name: Role("input", against, UNSURE / 2)} if against else {}
+    if drive is not None and out is not None and None is input is output:
+        drive, out, pulled = pulled_roles(drive, out)
+        roles |= {c.name: Role(role, pulled) for c, role in ((drive, "input"), (out, "output")) if pulled}
     _further_roles(columns, roles, drive, out)
+    if (
+        drive is not None
+        and input is None
+        and not pairs
+        and (tie := _equal_thermometer(columns, roles, drive, out)) is not None
+    ):
+        names = f"{shown(drive.name)} and {shown(tie.name)}"
+        roles[drive.name] = Role("input", f"no name says which of {names} is at the specimen", UNSURE / 2)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
@@ -205,7 +218,8 @@ def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | 
 
 def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
     """The clock: a column of times that never runs backwards, or that a resumed log starts again from its beginning."""
-    times = [c for c in columns if c.quantity == q.TIME and not c.facts.missing]
+    times = [c for c in columns if c.quantity == q.TIME and 2 * c.facts.missing < c.facts.values.size]
+    times.sort(key=lambda c: c.facts.missing > 0)  # rows without a time are left out
     resumed = [c for c in times if c.facts.restarts and c.facts.kind != "clock" and not c.by_numbers]
     first = next((c for c in times if c.facts.rising), next(iter(resumed), None))
     return next((c for c in times if first is not None and _is_finer(c, first)), first)
@@ -215,6 +229,8 @@ def _is_finer(c: ColumnGuess, clock: ColumnGuess) -> bool:
     """Whether a time is that of a clock of whole seconds, but finer: they agree within a second, as rounding does."""
     if (
         clock.facts.kind != "clock"
+        or clock.facts.missing
+        or c.facts.missing
         or not clock.facts.whole
         or not c.facts.rising
         or dimension(c.unit) != "time"
@@ -280,9 +296,9 @@ def _further_roles(
             roles[c.name] = _second_role(second, c, drive)
         elif (
             holds_still(c)
-            and c.quantity in (q.STRESS, q.FORCE)
+            and c.quantity in q.LOADS
             and c.quantity_confidence >= WEAK
-            and _new(c, columns)
+            and _new(c, columns, roles)
         ):
             roles[c.name] = Role(
                 "condition", f"{c.quantity}, nearly constant: {c.quantity_reason}", c.quantity_confidence
@@ -291,8 +307,13 @@ def _further_roles(
             roles[c.name] = Role("ignored", _unused(c, out), LIKELY)
 
 
-def _new(c: ColumnGuess, columns: Sequence[ColumnGuess]) -> bool:
-    """Whether a condition says more than a stress that is one already."""
+def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role]) -> bool:
+    """Whether a condition says more than a stress, or a column of its quantity, that is one already."""
+    known = [g for g in columns if g.name in roles and roles[g.name].role == "condition"]
+    if any(g.quantity == c.quantity for g in known):
+        return False
+    if c.quantity == q.FIELD:
+        return True
     stress = next((g for g in columns if g.quantity == q.STRESS and holds_still(g)), None)
     return c.quantity == q.STRESS or stress is None
 
@@ -314,9 +335,23 @@ def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) 
     return Role("elsewhere", second.difference(drive), LIKELY)
 
 
+def _equal_thermometer(
+    columns: Sequence[ColumnGuess], roles: dict[str, Role], drive: ColumnGuess, out: ColumnGuess | None
+) -> ColumnGuess | None:
+    """A thermometer that reads otherwise than that of the input, and whose name says as much of its place; not that of
+    a second group of columns, where the name of the output is written again, too.
+    """
+    if out is not None and any(c.name.startswith(f"{out.name} (2") for c in columns):
+        return None
+    others = (c for c in columns if roles[c.name].role == "elsewhere")
+    return next((c for c in others if distance(c) == distance(drive)), None)
+
+
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
     if c.quantity in q.NO_SIGNALS[1:]:
         return f"{c.quantity}: {c.quantity_reason}"
+    if c.quantity == q.TIME:
+        return "another time" if c.facts.rising else "a time that runs backwards, so it is no clock"
     if out is not None and c.quantity == out.quantity:
         return f"another {c.quantity} than the output {shown(out.name)}"
     if c.commanded and c.quantity == q.TEMPERATURE:

@@ -12,6 +12,7 @@ from smarig.study.column_guess import ColumnGuess, is_rate_of_output
 from smarig.study.column_pairs import tables_of_pairs
 from smarig.study.held_loads import tables_of_loads
 from smarig.study.joined_blocks import joined_blocks
+from smarig.study.questions import question
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
 from smarig.study.typed_names import listed_names, own_name, typed_name
@@ -79,6 +80,7 @@ def _tables(files: Sequence[Path]) -> tuple[list[FoundTable], dict[str, str]]:
             continue
         for table in found:
             taken |= {path.resolve() for path in table.with_files}
+            left_out |= {f"{file.name} {part}": reason for part, reason in table.left_out.items()}
         tables += joined_blocks(found)
     if not tables:
         raise DataError("None of these files holds a table: " + " ".join(left_out.values()))
@@ -163,7 +165,7 @@ def _answered(
         if count > 3 * len(guess.columns):
             break
     if guess.doubts and not options.accept:
-        raise UnsureError(_needed(guess), guess)
+        raise UnsureError(question(guess), guess)
     if guess.first("input") is None:
         raise UnsureError(
             f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
@@ -197,27 +199,6 @@ class UnsureError(UsageError):
     def __init__(self, sentence: str, guess: TableGuess) -> None:
         super().__init__(sentence)
         self.guess = guess
-
-
-def _needed(guess: TableGuess) -> str:
-    """What the user must say."""
-    options = []
-    for doubt in guess.doubts:
-        if doubt.startswith("unit "):
-            options.append(f"--unit '{typed_name(guess.table, doubt.removeprefix('unit '))}=UNIT'")
-        else:
-            options.append(f"--{doubt} NAME")
-    names, drive = listed_names(guess.table), guess.first("input")
-    if guess.by_loop and drive is not None and "input" not in guess.doubts:  # no name says so
-        options.append(f"and --input NAME if it is not {shown(typed_name(guess.table, drive.name))}")
-    units = [doubt.removeprefix("unit ") for doubt in guess.doubts if doubt.startswith("unit ")]
-    what = "which columns to use"
-    if len(units) == len(guess.doubts):
-        what = f"in which unit {' and '.join(shown(name) for name in units)} {'are' if units[1:] else 'is'}"
-    return (
-        f"{guess.table.path}: it is not clear {what}. Say {' '.join(options)} (columns: {names}), "
-        "or take the draft with --yes."
-    )
 
 
 def _guesses(

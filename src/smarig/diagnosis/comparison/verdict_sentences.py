@@ -24,8 +24,7 @@ def verdict_lines(
         dependence = f" and depends on {_variables(verdict.depends_on, causes)}" if verdict.depends_on else ""
         yield f"Something is wrong{dependence}, but no effect of the catalogue is certain. {reason}"
         if verdict.names:
-            opening = "What competes" if len(verdict.names) > 1 else "The likeliest cause"
-            yield f"{opening}: {_listed(verdict.names, causes)}"
+            yield _competing(verdict, causes)
     opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(word, "")
     for effect in findings:
         values = ", ".join(parameter_text(n, v) for n, v in effect.parameters.items())
@@ -33,6 +32,16 @@ def verdict_lines(
         yield f"{opening}: {effect.name}{bracket}, probability {effect.probability:.2f}."
     if word == "ambiguous":
         yield f"The truth is likely among these: {_listed(verdict.names, causes)} {reason}"
+
+
+def doubtful_causes(verdict: Verdict, causes: Mapping[Part, float]) -> str:
+    """The causes that an unknown verdict does not name, and why not."""
+    return f"{_competing(verdict, causes)} {SENTENCES[verdict.reason]}"
+
+
+def _competing(verdict: Verdict, causes: Mapping[Part, float]) -> str:
+    opening = "What competes" if len(verdict.names) > 1 else "The likeliest cause"
+    return f"{opening}: {_listed(verdict.names, causes)}"
 
 
 def _variables(likeliest: str, causes: Mapping[Part, float]) -> str:
