@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from smarig.diagnosis.comparison.compared_hypothesis import Part
+from smarig.diagnosis.comparison.rules import Verdict
 from smarig.exchange import FoundColumn, FoundTable, find_tables, load_mapping
 from smarig.study import candidate_models, guess_table, mapping_draft
 from smarig.study.study_sentences import finding_sentence
@@ -231,13 +233,26 @@ def test_columns_of_a_second_branch_are_shown_with_the_role_of_the_first(tmp_pat
 def test_a_learned_term_is_told_beside_what_no_effect_explains(variable):
     def sentence(learned):
         d = SimpleNamespace(
-            verdict=SimpleNamespace(word="unknown", depends_on=variable), learned=learned, lines=lambda: ["-"]
+            verdict=SimpleNamespace(word="unknown", depends_on=variable, names=()),
+            learned=learned,
+            lines=lambda: ["-"],
         )
         return finding_sentence(d, at_noise=False)
 
     assert sentence(None).endswith("no known effect explains them.")
     assert sentence(object()).endswith(
         "explains them; a term learned from them describes a part, without a cause."
+    )
+
+
+def test_a_cause_that_the_design_confounds_is_told_with_the_reason_and_not_denied():
+    """A lag is certain, but the rate rises with time in these data."""
+    lag = Part("effect", "input_lag")
+    verdict = Verdict("unknown", "confounded", ("input_lag",), "time")
+    d = SimpleNamespace(verdict=verdict, causes={lag: 0.97}, learned=object(), lines=lambda: ["-"])
+    assert finding_sentence(d, at_noise=False) == (
+        "The errors that are left vary with the time. The likeliest cause: input_lag (0.97). In these data the cause "
+        "varies together with others."
     )
 
 

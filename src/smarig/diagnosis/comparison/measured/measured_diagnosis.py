@@ -4,7 +4,7 @@ The comparison of hypotheses finds what is wrong; the extended model has its eff
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -129,6 +129,11 @@ class MeasuredDiagnosis(NotebookDisplay):
     def text(self) -> str:
         """The findings as text."""
         return "\n".join(self.lines())
+
+    @property
+    def causes(self) -> Mapping[Part, float]:
+        """The probability of each cause, likeliest first."""
+        return self.evidence.causes
 
     def rms(self, found: MeasuredHypothesis | None = None) -> float:
         """Rms error at the training readings: of the plain model, or of a hypothesis."""
