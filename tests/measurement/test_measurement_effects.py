@@ -1,17 +1,20 @@
 """Measurement effects: each changes a record as its equation says, and is not offered where it cannot be tested."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from diagnosis.measured.independent_wire import RelayWire, lagged, triangles
+from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, triangles
 from smarig.core import DataError
 from smarig.measurement import (
     ConditionTable,
     InputRecord,
     MeasurementPart,
     changed,
+    full_cycles_before,
+    input_records,
     measurement_effect_types,
     measurement_effects,
 )
@@ -159,3 +162,25 @@ def test_a_drift_of_the_input_is_undone_and_needs_several_cycles():
         "a", true.u, true.u, true.t, True, np.linspace(0, 2, true.u.size), {}, np.arange(true.u.size)
     )
     assert drift.parameters([few]) is None
+
+
+@pytest.mark.parametrize("cut", [30, 45, 61])
+def test_full_cycles_go_on_over_a_split(cut):
+    """Minor loops count by their size; the part after a cut needs the travel of the part before, and its range."""
+    turns = [20.0, 90.0, 50.0, 70.0, 20.0, 60.0]
+    u = np.concatenate([*(np.linspace(a, b, 15)[:-1] for a, b in pairwise(turns)), turns[-1:]])
+    whole = full_cycles_before(u)[0]
+    assert whole[-1] == pytest.approx((70 + 40 + 20 + 50 + 40) / 140)
+    first, travel = full_cycles_before(u[: cut + 1])
+    rest, _ = full_cycles_before(u[cut:], travel)
+    assert [*first, *rest[1:]] == pytest.approx(whole)
+
+
+@pytest.mark.parametrize(("widest", "starts_at"), [(70.0, 2.5), (float("nan"), 0.0), (-1.0, 0.0)])
+def test_a_part_of_a_run_goes_on_from_the_travel_that_it_states(widest, starts_at):
+    u = np.linspace(20.0, 55.0, 40)
+    run = as_run("part", u, u, noise=(0.0, 0.0))
+    run.meta["imported"] = {"continues_at": {"cycles": 3.0, "full_cycles": 2.5, "widest": widest}}
+    count = input_records([run])[0].full_cycles
+    assert count[0] == starts_at
+    assert count[-1] - count[0] == pytest.approx(0.25 if starts_at else 0.5)
