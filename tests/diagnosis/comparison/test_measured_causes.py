@@ -43,38 +43,41 @@ def test_a_drift_goes_on_in_the_held_out_part():
     assert continued.held_out[continued.weights.heaviest.name] < 0.5 * continued.held_out["nothing"]
 
 
-def _excursions(seed, count, slowest, fastest):
-    """(t, u, rate): every second from 25 °C to random peaks and back, each branch at a rate of its own."""
+def _excursions(seed, count, rates, peaks, valleys):
+    """(t, u, rate): every second from 25 °C to random peaks and back to valleys, each branch at a rate of its own."""
     rng = np.random.default_rng(seed)
-    peaks = [92.0, *rng.uniform(62.0, 92.0, count - 1)]
-    ends = np.array([25.0, *np.ravel([(p, rng.uniform(25.0, 42.0)) for p in peaks])])
-    rates = np.exp(rng.uniform(np.log(slowest), np.log(fastest), ends.size - 1))
-    at = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(ends)) / rates)])
+    tops = [92.0, *rng.uniform(*peaks, count - 1)]
+    ends = np.array([25.0, *np.ravel([(top, rng.uniform(*valleys)) for top in tops])])
+    of_branch = np.exp(rng.uniform(*np.log(rates), ends.size - 1))
+    at = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(ends)) / of_branch)])
     t = np.arange(0.0, at[-1])
-    return t, np.interp(t, at, ends), rates[np.clip(np.searchsorted(at, t, "right") - 1, 0, rates.size - 1)]
+    return (
+        t,
+        np.interp(t, at, ends),
+        of_branch[np.clip(np.searchsorted(at, t, "right") - 1, 0, ends.size - 2)],
+    )
 
 
-def test_a_ratcheting_that_does_not_slow_down_is_no_drift():
-    """By what the strain has travelled: minor loops leave less behind. Cycles last for different times."""
-    _, u, _ = _excursions(6, 14, 0.4, 4.0)
+@pytest.mark.parametrize("seed", [2, 5])
+def test_a_ratcheting_that_does_not_slow_down_is_named_by_the_travel_of_its_cycles(seed):
+    """A cycle leaves behind a share of what the strain has travelled; counted, minor loops would leave as much."""
+    _, u, _ = _excursions(seed, 18, (0.3, 5.0), peaks=(55.0, 92.0), valleys=(25.0, 52.0))
     y = WIRE.strain(u)
     run = as_run("a", u, y + 0.06 * np.cumsum(np.abs(np.diff(y, prepend=y[0]))) / (2 * np.ptp(y)), dt=1.0)
-    found = compare_measured([run], without=ASIDE)
-    assert found.verdict.names == ("ratcheting",)
+    assert compare_measured([run], without=ASIDE).verdict.names == ("ratcheting",)
 
 
 @pytest.mark.long("takes ten seconds")
 def test_loops_that_narrow_with_the_rate_are_no_lag():
-    _, u, rate = _excursions(7, 14, 0.4, 3.0)
+    _, u, rate = _excursions(4, 14, (0.4, 3.0), peaks=(62.0, 92.0), valleys=(25.0, 42.0))
     middle, half = (WIRE.up + WIRE.down) / 2, (WIRE.up - WIRE.down) / 2
     hot, y = np.zeros(half.size, dtype=bool), []
-    for x, width in zip(u, 1 - 0.45 * np.log10(rate / 0.4)):
+    for x, width in zip(u, 1 - 0.7 * np.log10(rate / 0.4)):
         hot = np.where(x > middle + width * half, True, np.where(x < middle - width * half, False, hot))
         y.append(4.0 * (1 - WIRE.share @ hot))
     run = as_run("a", u, np.array(y), dt=1.0)
     found = diagnose(identify([run]).model, [run], without=("input_drift", "output_jump"))
-    assert found.verdict.word == "unknown"
-    assert found.verdict.depends_on in ("rate", "time_since_reversal")  # fast branches are short
+    assert (found.verdict.word, found.verdict.depends_on) == ("unknown", "rate")
 
 
 def _compared_as_one(parts):
