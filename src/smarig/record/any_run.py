@@ -14,6 +14,7 @@ from smarig.record.recording_lock import is_recording
 from smarig.record.run_info import RunInfo
 from smarig.record.stopped_by import StoppedBy
 
+_NEVER_CLOSED = "the run was never closed"
 MAY_FLOW = "Its source has no lease: its current may still be on. Make sure that it is switched off."
 
 if TYPE_CHECKING:
@@ -82,6 +83,12 @@ class AnyRun(ABC):
         return f"incomplete: {self._not_closed}" if end is None or end.cause is None else end.cause
 
     @property
+    def past_cause(self) -> str:
+        """The cause for the record of what followed: what may have flowed then has been ordered to zero since."""
+        end = self.info.end
+        return f"incomplete: {_NEVER_CLOSED}" if end is None or end.cause is None else end.cause
+
+    @property
     def early_end(self) -> str:
         """Why the run did not end as planned, as a clause; "" if it did."""
         if self.cause == "done":
@@ -98,7 +105,7 @@ class AnyRun(ABC):
     def _not_closed(self) -> str:
         if is_recording(self.path):
             return "the run is still being recorded"
-        return f"the run was never closed{f'. {MAY_FLOW}' if self.may_flow else ''}".rstrip(".")
+        return f"{_NEVER_CLOSED}{f'. {MAY_FLOW}' if self.may_flow else ''}".rstrip(".")
 
     @property
     def stopped_by(self) -> StoppedBy | None:

@@ -1,11 +1,13 @@
 """Data bits, parity and stop bits of a serial port: read from the rig file, and applied to the port."""
 
+import errno
 import os
 from types import SimpleNamespace
 
 import pytest
 
 from smarig.config import LinkFile
+from smarig.device import Silent
 from smarig.device.links import visa_line
 from smarig.device.links.opening import opened
 from smarig.device.links.shared_text_line import shared_text_line
@@ -54,6 +56,21 @@ def test_a_line_of_registers_has_the_format_of_its_link(url, framing):
     line = opened(link(url, framing=framing, serial_format="7E2"), 65)
     assert applied(line._port.opened()) == (7, "E", 2)
     line.close()
+
+
+@pytest.mark.parametrize("framing", ["lines", "modbus_rtu"])
+def test_a_port_that_does_not_offer_the_format_says_so(url, framing, monkeypatch):
+    """As the kernel answers for a port without seven data bits; nothing is wrong with its cable or power."""
+
+    def refuse(*_):
+        raise termios.error(errno.EINVAL, "Invalid argument")
+
+    monkeypatch.setattr(termios, "tcsetattr", refuse)
+    where = link(url, framing=framing, serial_format="7E1", baud=9600)
+    with pytest.raises(
+        Silent, match=r"does not offer 9600 baud with 7E1. Give another baud or serial_format.$"
+    ):
+        shared_text_line(where) if framing == "lines" else opened(where, 65)
 
 
 def test_a_port_of_visa_has_the_format_of_its_link(url):

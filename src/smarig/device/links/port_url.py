@@ -8,6 +8,7 @@ The other URLs of pyserial (``hwgrep://``, ``spy://``, …) are accepted, too.
 """
 
 import contextlib
+import errno
 import os
 import select
 import socket
@@ -17,6 +18,7 @@ from urllib.parse import urlsplit
 import serial
 
 from smarig.core import ConfigError
+from smarig.device.encoding.link_faults import Silent
 from smarig.device.links.network_address import no_scheme_text
 
 NETWORK = ("tcp", "socket", "rfc2217")  # schemes with host and port
@@ -112,6 +114,13 @@ def close_port(port: serial.Serial) -> None:
 def error_of(url: str, error: BaseException) -> str:
     """What pyserial says, with the address as it was given."""
     return str(error).replace("socket://", "tcp://") if url.startswith("tcp://") else str(error)
+
+
+def refusal_of(url: str, error: BaseException, baud: int, serial_format: str) -> str:
+    """The same, with what to do: a port that exists may not offer the speed or the format."""
+    if getattr(error, "errno", None) == errno.EINVAL or errno.EINVAL in getattr(error, "args", ()):
+        return f"it does not offer {baud} baud with {serial_format}. Give another baud or serial_format."
+    return f"{error_of(url, error)}. {Silent.remedy}"
 
 
 def _socket_of(port: serial.Serial) -> socket.socket | None:

@@ -11,7 +11,7 @@ import serial
 
 from smarig.core import ConfigError
 from smarig.device.encoding.link_faults import Silent
-from smarig.device.links.port_url import checked_url, close_port, error_of, send_at_once, unopened_port
+from smarig.device.links.port_url import checked_url, close_port, refusal_of, send_at_once, unopened_port
 
 _TERMIOS = (importlib.import_module("termios").error,) if find_spec("termios") else ()
 PORT_ERRORS: tuple[type[Exception], ...] = (
@@ -64,7 +64,8 @@ class SerialPort:
 
     def unusable(self, error: BaseException) -> Silent:
         """What an error of the port means for an exchange."""
-        return Silent(f"{self.where} cannot be used: {error_of(self.where, error)}. {Silent.remedy}")
+        refused = refusal_of(self.where, error, self.baud, self.serial_format)
+        return Silent(f"{self.where} cannot be used: {refused}")
 
 
 class SharedPort(SerialPort):

@@ -19,7 +19,15 @@ from typing import TypeVar
 
 from smarig.core import UsageError
 from smarig.device.encoding.link_faults import Garbled, Silent
-from smarig.device.links.port_url import checked_url, close_port, error_of, send, send_at_once, unopened_port
+from smarig.device.links.port_url import (
+    checked_url,
+    close_port,
+    error_of,
+    refusal_of,
+    send,
+    send_at_once,
+    unopened_port,
+)
 from smarig.device.links.query import only_reads, reading
 from smarig.device.links.serial_port import PORT_ERRORS
 
@@ -70,7 +78,8 @@ class TextLine:
             self._port = unopened_port(checked, baud, timeout_s, timeout_s, serial_format)
             self._port.open()
         except PORT_ERRORS as error:
-            raise Silent(f"{url} cannot be opened: {error_of(url, error)}. {Silent.remedy}") from None
+            refused = refusal_of(url, error, baud, serial_format)
+            raise Silent(f"{url} cannot be opened: {refused}") from None
         send_at_once(self._port)
 
     def identify(self) -> str:

@@ -203,7 +203,11 @@ class _ResumeExecution:
         run, plan = self.run, self.plan
         ended_s = float(run["t_s"][-1]) if len(run) else 0.0
         recorder.event(
-            ended_s, "interrupted", f"Interrupted: {run.cause.rstrip('.')}.", level="warning", cause=run.cause
+            ended_s,
+            "interrupted",
+            f"Interrupted: {run.past_cause.rstrip('.')}.",
+            level="warning",
+            cause=run.past_cause,
         )
         recorder.event(
             t_s,
