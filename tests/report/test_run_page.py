@@ -223,7 +223,7 @@ def test_what_a_resumed_run_records_of_its_interruption_is_no_advice_for_now():
     cut_off = run_of(end=None, has_lease=False)
     assert cut_off.may_flow
     assert cut_off.past_cause == "incomplete: the run was never closed"
-    assert run_of(end={"cause": "tripped: too hot"}).past_cause == "tripped: too hot"
+    assert run_of(end="tripped: too hot").past_cause == "tripped: too hot"
 
 
 def test_a_run_without_a_lease_that_was_cut_off_says_that_its_current_may_be_on():
