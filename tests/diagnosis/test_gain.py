@@ -37,6 +37,14 @@ def test_a_base_at_the_noise_floor_leaves_nothing_to_remove(floor):
     assert at_floor.interval() is None
 
 
+@pytest.mark.parametrize(
+    ("extended", "blocks", "chance"),
+    [([1.0] * 12, range(12), False), ([1.0, 2.6] * 6, range(12), True), ([1.0, 2.6] * 6, [0, 1] * 6, False)],
+)
+def test_a_gain_in_some_blocks_only_may_be_chance(extended, blocks, chance):
+    assert gain([2.0] * 12, extended, list(blocks), 0.1).by_chance == chance
+
+
 def test_shares_are_of_squares_and_every_point_has_equal_weight():
     """(1 + 16 + 16 − 3·4) of (33 − 3·1), by hand."""
     g = gain([1.0, 4.0, 4.0], [2.0, -2.0, 2.0], [0, 1, 1], 1.0)

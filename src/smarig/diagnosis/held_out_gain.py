@@ -90,6 +90,12 @@ class HeldOutGain:
         """R, or None if the base model is at the floor already."""
         return _share(self.base, self.extended, self.floor)
 
+    @property
+    def by_chance(self) -> bool:
+        """Whether nothing may be gained: the interval of R reaches 0. Of few blocks, nobody knows."""
+        interval = self.interval()
+        return interval is not None and interval[0] <= 0.0
+
     def interval(self, seed: int = 0) -> tuple[float, float] | None:
         """95 % interval of R by resampling the blocks with replacement; None of few blocks, which say little of it."""
         if self.blocks < LEAST_BLOCKS:

@@ -248,12 +248,15 @@ def diagnose_measured(
         train, held_out, without, progress, selected, lambda v: next(iter(_terms(plain, v)), None), seed
     )
     extension = _extension(plain, evidence)
+    gain = _gain(error, extension.error if extension else error, given, comparison, evidence.noise)
+    if gain and extension and extension.law and gain.by_chance:  # no cause speaks for a law
+        extension, gain = None, gain.without_extension()
     return MeasuredDiagnosis(
         evidence=evidence,
         plain=plain,
         extension=extension,
         given_error=given,
-        gain=_gain(error, extension.error if extension else error, given, comparison, evidence.noise),
+        gain=gain,
         seconds=time.monotonic() - started,
     )
 
