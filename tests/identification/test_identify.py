@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -141,3 +142,15 @@ def test_steps_that_did_not_settle_are_counted():
                  for k, s in enumerate(run.steps))  # fmt: skip
     run = type(run)(run.path, run.meta, run.columns, late, ())
     assert any("6 of 65 points" in w for w in identify(run, "constant").warnings)
+
+
+@pytest.mark.parametrize("counts", [1.0, 2.5])
+def test_a_wire_that_has_not_moved_gives_no_model(counts):
+    """A loop that was interrupted before the wire transformed: one count is rounding, not a poor fit."""
+    whole = fod_run("one_e", output={"quantity": "position", "unit": "mm", "per_count": 0.05})
+    still = np.linspace(0.0, counts * 0.05, len(whole))
+    run = replace(whole, columns=whole.columns | {"position": still})
+    with pytest.raises(
+        DataError, match=rf"moves by .* mm only, {counts:.1f} counts .* heat the wire further"
+    ):
+        identify([run], "positive")

@@ -58,6 +58,7 @@ from smarig.replay import (
     provenance,
 )
 
+LEAST_COUNTS = 3.0  # of motion: a sensor that stands still scatters over two
 LARGEST_SLOPE_WEIGHT = 1000.0
 
 
@@ -103,6 +104,7 @@ def identify(
     if heating is not None:
         loaded = with_fitted_inputs(loaded, heating)
     loaded = [counted(run) for run in loaded]
+    _check_motion(loaded)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
     choice = choose_surface(data, anchor=anchor, weights=weights) if surface == BEST_KIND else None
@@ -200,6 +202,18 @@ def _extended(
     model = plain.model
     chosen = choose_extension(runs, model.hysteresis, model.unit, extension, refit)
     return replace(plain, model=replace(model, extension=chosen.values), extension=chosen)
+
+
+def _check_motion(runs: Sequence[Run]) -> None:
+    """Raise DataError if no run moves its sensor by more than rounding and noise do."""
+    known = [y[np.isfinite(y)] for y in (run["position"] for run in runs)]
+    travels = [float(np.ptp(y)) if y.size else np.inf for y in known]
+    counts = [travel / (run.info.output.resolution or 1e-300) for travel, run in zip(travels, runs)]
+    if max(counts, default=np.inf) < LEAST_COUNTS:
+        raise DataError(
+            f"{', '.join(run.path.name for run in runs)}: the output moves by {max(travels):.2g} {runs[0].unit} only, "
+            f"{max(counts):.1f} counts of its sensor. There is no motion to identify: heat the wire further."
+        )
 
 
 def _check_words(surface: str, weights: str, symmetric: bool, slopes: float) -> None:
