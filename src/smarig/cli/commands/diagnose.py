@@ -81,13 +81,15 @@ def _taking_all_values(process: Any) -> Any:
     "--alpha",
     type=float,
     default=0.03,
-    hidden=True,  # accepted for scripts that give it; it has no effect
+    hidden=True,
+    help="Accepted, without effect: no null data are drawn.",
 )
 @click.option(
     "--nulls",
     type=int,
     default=400,
-    hidden=True,  # accepted for scripts that give it; it has no effect
+    hidden=True,
+    help="Accepted, without effect: no null data are drawn.",
 )
 @click.option(
     "--seed",
