@@ -208,7 +208,8 @@ def _check_motion(runs: Sequence[Run]) -> None:
     """Raise DataError if no run moves its sensor by more than rounding and noise do."""
     known = [y[np.isfinite(y)] for y in (run["position"] for run in runs)]
     travels = [float(np.ptp(y)) if y.size else np.inf for y in known]
-    counts = [travel / (run.info.output.resolution or 1e-300) for travel, run in zip(travels, runs)]
+    resolutions = [run.info.output.resolution for run in runs]
+    counts = [travel / size if size else np.inf for travel, size in zip(travels, resolutions)]
     if max(counts, default=np.inf) < LEAST_COUNTS:
         raise DataError(
             f"{', '.join(run.path.name for run in runs)}: the output moves by {max(travels):.2g} {runs[0].unit} only, "
