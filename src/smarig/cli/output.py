@@ -19,9 +19,8 @@ from smarig.core import StorageError, UsageError, printable
 LONGEST_RESULT = 1_000_000  # characters of a result as text
 # printed: the one object is out; said: the command has printed an error; forced: its end was forced
 _STATE = {"json": False, "printed": False, "said": False, "forced": False}
-_error = (
-    threading.Lock()
-)  # held while an error is printed: the command and a forced end may print at the same time
+# held while an error is printed: the command and a forced end may print at the same time
+_error = threading.Lock()
 
 
 def json_option(command: Callable) -> Callable:

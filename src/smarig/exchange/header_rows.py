@@ -8,16 +8,15 @@ from collections import Counter
 from collections.abc import Sequence
 
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
-from smarig.exchange.header_words import has_bracketed_units, with_brackets_joined
+from smarig.exchange.header_words import ALIGNED, has_bracketed_units, with_brackets_joined
 from smarig.exchange.number_style import NumberStyle
 from smarig.exchange.text_table import HEADER_WITHIN
 from smarig.exchange.written_units import is_unit, is_units_row, without_markup
 
 HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
-_ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
 # Between the names of columns, the rarest in a name first:
-_HEADER_SIGNS = (_ALIGNED, ";", ",", r"\|", r"\s+")
+_HEADER_SIGNS = (ALIGNED, ";", ",", r"\|", r"\s+")
 # Sig1 Time (min); # 2: Force [N]
 _LISTED = re.compile(r"(\D{0,40}?)\s*(\d{1,4})\s*(?:[:=.)\]\t,;]|\s)\s*(\S.*)")
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
@@ -66,7 +65,7 @@ def _words(
         words = [word.strip().strip('"') for word in re.split(sign, text)]
         words = words if len(words) == width else with_brackets_joined(words)
         plain = all(word and style.kind(word) == TEXT for word in words)
-        unlike = sign == _ALIGNED or len(set(words)) == width or is_units_row(words)
+        unlike = sign == ALIGNED or len(set(words)) == width or is_units_row(words)
         if len(words) == width and plain and unlike:
             return words
     return None

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from smarig.exchange.written_units import is_unit
 
+ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
 _PLACED = re.compile(r"\S+(?: \S+)*")  # words that blanks align: one blank divides words of one cell
 _LAST_BRACKET = re.compile(r"[^\s\[(].*[\[(]([^\[\]()]*)[\])]\s*")
 

@@ -7,11 +7,10 @@ import re
 from collections.abc import Sequence
 
 from smarig.core import shown
-from smarig.exchange.header_words import with_brackets_joined
+from smarig.exchange.header_words import ALIGNED, with_brackets_joined
 from smarig.exchange.written_units import is_unit, is_units_row
 
 _VALUE = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*(\S*)")
-_ALIGNED = re.compile(r"\s{2,}|\t")  # between words that blanks align over their columns
 _MOST_SHOWN = 3
 
 
@@ -30,8 +29,8 @@ def names_columns(row: Sequence[str], line: str, width: int) -> bool:
     if is_units_row(row):
         return True
     if len(row) > 1 and list(row) == line.split():  # blanks divide words of a sentence, too
-        return width in (len(row), len(with_brackets_joined(row)), len(_ALIGNED.split(line.strip())))
-    return len(row) >= width or len(_ALIGNED.split(line.strip())) == width
+        return width in (len(row), len(with_brackets_joined(row)), len(re.split(ALIGNED, line.strip())))
+    return len(row) >= width or len(re.split(ALIGNED, line.strip())) == width
 
 
 def interruption_notes(lines: Sequence[str]) -> list[str]:

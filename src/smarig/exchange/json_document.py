@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from smarig.core import shown
+from smarig.exchange.cell_values import is_number
 from smarig.exchange.json_lines import cell_text, flat_cells, rows_of_objects
 
 MOST_CHARACTERS = 100_000_000  # its numbers need ten times as many bytes while they are read
@@ -102,7 +103,7 @@ def _of_array(value: list[Any], keys: dict[str, str]) -> _JsonTable | None:
     rows = _matrix(value)
     if rows is None:
         return None
-    named = all(isinstance(cell, str) and not _is_number(cell) for cell in rows[0])
+    named = all(isinstance(cell, str) and not is_number(cell, ".") for cell in rows[0])
     if len(rows) < len(rows[0]) and not named:
         rows = [list(row) for row in zip(*rows)]
     names = list(map(cell_text, rows[0])) if named else []
@@ -135,7 +136,7 @@ def _of_object(value: dict[str, Any], keys: dict[str, str]) -> _JsonTable | None
 
 def _are_names(part: Any) -> bool:
     texts = isinstance(part, list) and len(part) > 1 and all(isinstance(cell, str) for cell in part)
-    return texts and not any(map(_is_number, part))
+    return texts and not any(is_number(cell, ".") for cell in part)
 
 
 def _column(part: Any) -> list[Any] | None:
@@ -163,11 +164,3 @@ def _matrix(value: list[Any]) -> list[list[Any]] | None:
 
 def _written(rows: Any) -> list[str]:
     return ["\t".join(map(cell_text, row)) for row in rows]
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -58,7 +58,7 @@ from smarig.replay import (
     provenance,
 )
 
-LEAST_COUNTS = 3.0  # of motion: a sensor that stands still scatters over two
+STILL_COUNTS = 3.0  # a sensor that stands still scatters over two
 LARGEST_SLOPE_WEIGHT = 1000.0
 
 
@@ -210,7 +210,7 @@ def _check_motion(runs: Sequence[Run]) -> None:
     travels = [float(np.ptp(y)) if y.size else np.inf for y in known]
     resolutions = [run.info.output.resolution for run in runs]
     counts = [travel / size if size else np.inf for travel, size in zip(travels, resolutions)]
-    if max(counts, default=np.inf) < LEAST_COUNTS:
+    if max(counts, default=np.inf) < STILL_COUNTS:
         raise DataError(
             f"{', '.join(run.path.name for run in runs)}: the output moves by {max(travels):.2g} {runs[0].unit} only, "
             f"{max(counts):.1f} counts of its sensor. There is no motion to identify: heat the wire further."

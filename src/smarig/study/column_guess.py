@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -12,7 +13,6 @@ from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
-_STATED_BY = ("its name", "its unit", "clock")  # how the reasons of stated quantities begin
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
 _WHATEVER_UNIT = (q.RATE, q.INDEX, q.SCATTER)  # quantities that a name states whatever the unit is
 _ANY_TIME = "assumed: equal steps of whole numbers may be s, ms or others"
@@ -41,6 +41,9 @@ class ColumnGuess:
     unit_reason: str
     unit_confidence: float
     commanded: bool = False
+    stated_by: Literal["", "name", "unit", "clock"] = (
+        ""  # what says the quantity; "": its numbers, or nothing
+    )
 
     @property
     def name(self) -> str:
@@ -55,12 +58,12 @@ class ColumnGuess:
     @property
     def by_numbers(self) -> bool:
         """Whether neither its name nor its unit says what the column is."""
-        return not self.quantity_reason.startswith(_STATED_BY)
+        return not self.stated_by
 
     @property
     def is_named(self) -> bool:
         """Whether its name says what the column is; a unit alone does not tell it from others in that unit."""
-        return self.quantity_reason.startswith("its name")
+        return self.stated_by == "name"
 
     def without_meaning(self) -> "ColumnGuess":
         """The guess without the quantity and unit that its numbers alone suggested."""
@@ -72,6 +75,7 @@ class ColumnGuess:
             unit="",
             unit_reason="",
             unit_confidence=0.0,
+            stated_by="",
         )
 
     def corrected(self, unit: str) -> "ColumnGuess":
@@ -79,7 +83,9 @@ class ColumnGuess:
         by_unit = q.quantity_of_unit(unit)
         other = by_unit and dimension(unit) not in q.DIMENSIONS.get(self.quantity, ())
         reason = f"its unit {unit}" if self.quantity else ""  # without any, the loop still decides the roles
-        meant = _found(self, by_unit, reason, LIKELY) if other and self._may_follow_unit else self
+        meant = self
+        if other and self._may_follow_unit:
+            meant = replace(_found(self, by_unit, reason, LIKELY), stated_by="unit" if reason else "")
         return replace(
             meant,
             unit=unit,
@@ -128,12 +134,14 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     by_unit = q.RATE if q.is_rate_unit(written) else q.quantity_of_unit(unit)
     confidence = LIKELY if quantity else 0.0
     reason = f"its name {shown(label)}" if quantity else ""
+    stated_by: Literal["", "name", "unit", "clock"] = "name" if quantity else ""
     if (
         by_unit
         and (by_unit == q.RATE or dimension(unit) not in q.DIMENSIONS.get(quantity, ()))
         and (quantity not in _WHATEVER_UNIT or by_unit == q.TIME)  # "sample rate [s]" states a time
     ):
         quantity, reason, confidence = by_unit, f"its unit {unit or written}", LIKELY
+        stated_by = "unit"
     elif quantity == q.CHARGE and not unit:
         quantity, reason, confidence = "", "", 0.0  # "charge" is a load in French
     elif by_unit and quantity:
@@ -142,15 +150,17 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
         quantity, reason, confidence = "", "", 0.0
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
+        stated_by = "clock"
     if written and not unit:
         unit_reason, unit_confidence = f"written as {shown(written)}, which is unknown", NONE
     elif celsius and quantity:
-        reason, confidence = f"its unit C, and {_as_celsius(facts)}", LIKELY
+        reason, confidence, stated_by = f"its unit C, and {_as_celsius(facts)}", LIKELY, "unit"
         unit_reason, unit_confidence = "C stands for °C where no name means a charge", LIKELY
     else:
         unit_reason, unit_confidence = ("stated in the file", STATED) if unit else ("", 0.0)
+    stated_by = stated_by if quantity else ""
     return ColumnGuess(
-        facts, label, quantity, reason, confidence, unit, unit_reason, unit_confidence, commanded
+        facts, label, quantity, reason, confidence, unit, unit_reason, unit_confidence, commanded, stated_by
     )
 
 
@@ -313,7 +323,10 @@ def _with_steps_as_rates(guesses: Sequence[ColumnGuess]) -> list[ColumnGuess]:
 
 
 def _found(guess: ColumnGuess, quantity: str, reason: str, confidence: float) -> ColumnGuess:
-    return replace(guess, quantity=quantity, quantity_reason=reason, quantity_confidence=confidence)
+    """The guess with a quantity that its numbers suggest."""
+    return replace(
+        guess, quantity=quantity, quantity_reason=reason, quantity_confidence=confidence, stated_by=""
+    )
 
 
 def as_temperature(guess: ColumnGuess) -> ColumnGuess:

@@ -23,9 +23,8 @@ from smarig.device.links.query import LARGEST, only_reads
 # came from elsewhere would load a library.
 Backend = Literal["", "@ivi", "@py", "@sim"]
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")  # and the text after it
-_DECIMAL_COMMA = re.compile(
-    r"\s*[-+]?\d+,\d+\s*[^\d,]*"
-)  # 1,234: no two numbers of an instrument are so written
+# 1,234: no two numbers of an instrument are so written
+_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+\s*[^\d,]*")
 _IDENTITY = "*IDN?"
 _SWITCH = {"1": True, "ON": True, "0": False, "OFF": False}
 _T = TypeVar("_T")

@@ -20,7 +20,6 @@ from typing import Literal
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 
-LEAST_SUM = 1e-12  # of weights that are divided by
 VerdictWord = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
 
 
@@ -139,7 +138,7 @@ class VerdictEvidence:
         held = {parts: w for parts, w in self.together.items() if not parts.isdisjoint(sure)}
         effects = {p for p in self.causes if p.kind == "effect" and self.size[p] >= self.least_size}
         with_others = sum(w for parts, w in held.items() if not parts.isdisjoint(effects.difference(likely)))
-        return with_others / max(sum(held.values()), LEAST_SUM)
+        return with_others / sum(held.values()) if with_others else 0.0
 
     def refuted(self, part: Part) -> str:
         """How held-out runs speak against a cause, a key of ``SENTENCES``; "" if they do not."""
