@@ -61,6 +61,14 @@ def test_both_methods_give_the_same_to_the_last_bit(cases, wire, kind):
         assert_the_same(*by_parts_and_by_ticks(timeline, plant_model, effects))
 
 
+@pytest.mark.parametrize("wire", WIRES)
+def test_an_ambient_temperature_and_shifts_of_the_input_act_on_one_heating(cases, wire):
+    """Effects that heat no wire, in each other's company: their hooks meet the state of a complete plant."""
+    timeline, plant_model = cases[wire]
+    effects = effects_from_pairs(["ambient_drift=4", "temperature_memory=3", "settling=0.2"])
+    assert_the_same(*by_parts_and_by_ticks(timeline, plant_model, effects))
+
+
 @pytest.mark.parametrize("shift_K", [-20.0, 3.0, 25.0])
 @pytest.mark.parametrize("others", [[], ["ambient_drift=2", "noncongruency=10"]])
 @pytest.mark.parametrize("wire", WIRES)

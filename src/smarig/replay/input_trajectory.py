@@ -1,9 +1,10 @@
 """The input of the hysteresis along a timeline, with the thermal states that lead to it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,13 @@ from smarig.plant import (
     Actuator,
     Effect,
     EffectContext,
+    Hook,
     PlantState,
     Stage,
     SupportsHooks,
     ThermalStages,
     ThermalState,
+    apply_hooks,
     hook_chains,
 )
 from smarig.preisach import Initial
@@ -37,6 +40,7 @@ INPUT_COLUMNS = (
     "input_K",
     "hysteresis_input_K",
 )
+HEATING_STAGES = (Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, Stage.LAG)
 WIRE_COLUMNS = ("wire_1_K", "wire_2_K")
 _row = attrgetter(*INPUT_COLUMNS)
 
@@ -121,7 +125,31 @@ def _cached_trajectory(
 ) -> InputTrajectory:
     context = EffectContext(actuator, _HysteresisRange(*input_range), initial)  # pyrefly: ignore [bad-argument-type]
     hooks = hook_chains(early, context)
+    if early and not any(hooks[stage] for stage in HEATING_STAGES):
+        alone = _cached_trajectory(timeline, actuator, input_range, initial, ())
+        return _around_heating(alone, hooks, two_wire=actuator.two_wire)
     return _computed_trajectory(timeline, ThermalStages(actuator, hooks, ThermalState()))  # pyrefly: ignore [bad-argument-type]
+
+
+def _around_heating(
+    alone: InputTrajectory, hooks: Mapping[Stage, tuple[Hook, ...]], *, two_wire: bool
+) -> InputTrajectory:
+    """The trajectory with effects that heat no wire: they act on the temperatures of the wires ``alone``."""
+    now: Any = ThermalState()
+    rows = alone.columns[: len(INPUT_COLUMNS)].T.tolist()
+    heated_K = (alone["wire_1_K"] - alone["wire_2_K"]).tolist()
+    changed = []
+    for row, wire_K in zip(rows, heated_K):
+        now.t_s, now.dt_s, now.command_A = row[:3]  # an ambient temperature follows from the last tick
+        ambient_K, last_K = apply_hooks(hooks[Stage.AMBIENT], 0.0, now), now.hysteresis_input_K
+        set_inputs(now, row)
+        now.hysteresis_input_K = last_K
+        now.ambient_K, now.input_K = ambient_K, wire_K + (0.0 if two_wire else ambient_K)
+        now.hysteresis_input_K = apply_hooks(hooks[Stage.INPUT], now.input_K, now)
+        changed.append((now.ambient_K, now.input_K, now.hysteresis_input_K))
+    columns, names = alone.columns.copy(), ("ambient_K", "input_K", "hysteresis_input_K")
+    columns[[INPUT_COLUMNS.index(name) for name in names]] = np.array(changed).T
+    return InputTrajectory(columns, alone.ends)
 
 
 def _computed_trajectory(timeline: Timeline, thermal_stages: ThermalStages) -> InputTrajectory:

@@ -77,19 +77,23 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
         return _completed(first, progress)
     progress("again with priors about the density of the best cause")
     other, best = found
-    return _joined(first.hypotheses, _completed(_first_fits(other, progress, best), progress))
+    return _joined(first.hypotheses, _completed(_first_fits(other, progress, best, first.traces), progress))
 
 
 def _first_fits(
     subject: CommandedProblem,
     progress: Progress,
     best: FittedCause | None = None,
+    traces: Sequence[Candidate] | None = None,
 ) -> _FirstFits:
-    """``best``: an effect or a law that is fitted already; nothing about its own density need show it."""
+    """``best``: an effect or a law that is fitted already; nothing about its own density need show it.
+
+    ``traces``: those about another density of the same wire, which change little with it.
+    """
     base = subject.base
     nothing = ComparedHypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)
-    traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
+    traces = [with_best_period(subject, c, smooth) for c in traces or candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
     by_variable = smooth.hypotheses(VARIABLES)
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
