@@ -127,3 +127,34 @@ def test_full_loops_are_those_of_the_fitted_data(tmp_path, inner):
     simple = result.sentences()[1]
     assert "the fitted data hold full loops only, but the held-out data turn inside the loop" in simple
     assert "these data" not in simple
+
+
+def test_noise_that_no_model_removes_is_not_counted_against_missing_knowledge(tmp_path):
+    """The noise is half of the held-out error: one model of all rows still leaves that half."""
+    u = path(PATHS["inner turn"])
+    y = output("drawn", u) + 0.02 * np.random.default_rng(3).standard_normal(u.size)
+    found = studied(tmp_path, u, y).undetermined
+    assert found is not None
+    assert found.explains
+
+
+def test_inner_loops_of_the_fitted_data_are_no_full_loops(tmp_path):
+    """Two wires, one 20 K later: a curve is as good as a model of both, whatever the data hold."""
+    u = path((25, 95, 50, 90, 25, 95, 25))
+    files = [written(tmp_path / f"{k}.csv", u, output("drawn", u, shift=20.0 * k)) for k in range(2)]
+    result = study(files, tmp_path / "out", StudyOptions(diagnose=False))
+    (curve,) = [s for s in result.sentences() if "about as well" in s or "simple curve" in s]
+    assert "full loops only" not in curve
+
+
+def test_part_of_an_error_may_be_missing_knowledge(tmp_path):
+    """A held-out part that turns anew, after a zero that jumped: the turn is said, and that nothing changed is not."""
+    u = path(PATHS["deep turn"])
+    y = output("drawn", u)
+    y[u.size * 3 // 5 :] += 0.3
+    result = studied(tmp_path, u, y)
+    found = result.undetermined
+    assert found is not None
+    assert not found.explains
+    assert any("missing knowledge:" in s for s in result.sentences())
+    assert not any("no change" in s for s in result.sentences())

@@ -22,6 +22,7 @@ from smarig.study.data_split import LOAD, DataSplit
 
 _ONE_MODEL = "one model of all loads"
 _POSITIVE = "positive measure"
+SCATTER_OF_REPEATS, NOISE_OF_A_READING = "the scatter of repeats", "the noise of a reading"
 _WORSE = 2.0  # times the error of the fit: clearly worse
 EXTENDED = "extended model of the diagnosis"
 _SURFACES = {"table": "table of the curves", "exponential": "exponential surface"}
@@ -53,11 +54,16 @@ class CandidateModel:
         return self.rms > _WORSE * self.train_rms
 
 
-def noise_of_repeats(runs: Sequence[RunVerification]) -> float | None:
-    """The noise of a reading from repeated readings of runs; None if too few repeat."""
-    floors = [noise_floor(without_dropouts(load_run(r.run))) for r in runs]
-    known = [f.known for f in floors if f.known]
-    return float(np.median(known)) if known else None
+def noise_of_repeats(runs: Sequence[RunVerification]) -> tuple[float, str] | None:
+    """What readings of one state differ by, and its name; None if too few repeat.
+
+    Repeats also differ by whatever changed in between, so what they scatter by is no noise of a reading.
+    """
+    floors = [f for r in runs if (f := noise_floor(without_dropouts(load_run(r.run)))).known]
+    if not floors:
+        return None
+    repeats = any(f.source != "windows" for f in floors)
+    return float(np.median([f.value for f in floors])), SCATTER_OF_REPEATS if repeats else NOISE_OF_A_READING
 
 
 @dataclass(frozen=True, eq=False)

@@ -177,11 +177,28 @@ def _would_go_back(best: CandidateModel) -> str:
     return "A part of the output that falls with the input, slip, or a sensor that lags"
 
 
-def _would_miss(best: CandidateModel) -> str:
+def _differing(runs: Sequence[Run]) -> str:
+    """The conditions in which runs differ that one model fits together; empty if they differ in none."""
+    differ = {
+        name: values
+        for name, values in _by_condition(runs).items()
+        if max(values) - min(values) > _SAME_SHARE * max(map(abs, values))
+    }
+    each = [
+        f"{name.replace('_', ' ')} ({_listed(list(v))}{spaced(min(v.values()))})"
+        for name, v in differ.items()
+    ]
+    return (
+        f"one model of runs that differ in {' and '.join(each)}. Fit each of them for itself." if each else ""
+    )
+
+
+def _without_conditions(best: CandidateModel) -> str:
     """What makes an output depend on more than the history of the input, by what is measured."""
+    would = "A sensor that lags, a rate, creep, or a variable that is not used"
     if dimension(best.model.output.unit) in _MAGNETIC:
-        return "Magnetic viscosity, a drift, another temperature, or a variable that is not used"
-    return "A sensor that lags, a rate, creep, or a variable that is not used"
+        would = "Magnetic viscosity, a drift, another temperature, or a variable that is not used"
+    return f"the output does not follow from the history of this input alone. {would} would do this."
 
 
 def _back(run: RunVerification, span: float) -> float:
@@ -214,10 +231,8 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool, undetermine
     if share is None:
         return
     if _misses_fitted(best):
-        yield (
-            f"The model misses the fitted data as well, by {100 * share:.2g} % of their range: the output does not "
-            f"follow from the history of this input alone. {_would_miss(best)} would do this."
-        )
+        misses = f"The model misses the fitted data as well, by {100 * share:.2g} % of their range:"
+        yield f"{misses} {_differing(split.train) or _without_conditions(best)}"
     elif split.kind in ("run", "time") and best.misses_held_out and not explained:
         if (n := sum(r.settled.n for r in best.train)) < _FEW_READINGS:
             yield (

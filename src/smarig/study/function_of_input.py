@@ -162,4 +162,4 @@ def _stands_out(x: Array) -> bool:
 def _noise(best: CandidateModel, train: Sequence[RunPoints]) -> float:
     """The noise of a reading: from repeated readings, else from neighbouring ones."""
     known = noise_of_repeats(best.held_out)
-    return known if known is not None else float(np.median([input_noise_sd(p.y) for p in train]))
+    return known[0] if known is not None else float(np.median([input_noise_sd(p.y) for p in train]))

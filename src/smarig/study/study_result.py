@@ -24,7 +24,7 @@ from smarig.identification import (
     error_verdict,
 )
 from smarig.study.baselines import BRANCHES
-from smarig.study.candidate_models import EXTENDED, Evaluation, noise_of_repeats
+from smarig.study.candidate_models import EXTENDED, NOISE_OF_A_READING, Evaluation, noise_of_repeats
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, masked, mended, noisy_input, one_way, wrong_direction
 from smarig.study.function_of_input import FunctionOfInput
@@ -34,6 +34,7 @@ from smarig.study.imported_runs import ImportedTable
 from smarig.study.study_json import study_json
 from smarig.study.study_sentences import (
     LEVEL_WORDS,
+    InnerLoops,
     branch_name,
     error_sentence,
     finding_sentence,
@@ -47,7 +48,7 @@ from smarig.study.study_sentences import (
 )
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
-from smarig.study.undetermined_states import UndeterminedStates, turns_inside
+from smarig.study.undetermined_states import UndeterminedStates, inside, new_turns, turns_of
 from smarig.transformation import Calorimetry
 
 _EXCHANGED = "If input and output are exchanged, name them with --input and --output."
@@ -119,12 +120,18 @@ class StudyResult:
         return branch_errors(self._held_out)
 
     @cached_property
-    def noise(self) -> float | None:
-        """The noise of one reading: from repeated readings, else as the diagnosis estimates it; None if unknown."""
+    def _noise(self) -> tuple[float | None, str]:
+        """The noise by which errors are judged, and its name: of repeats, else as the diagnosis estimates it."""
         known = noise_of_repeats(self._held_out)
         if known is not None:
             return known
-        return self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
+        estimate = self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
+        return estimate, NOISE_OF_A_READING
+
+    @property
+    def noise(self) -> float | None:
+        """The noise by which errors are judged, in the unit of the output; None if unknown."""
+        return self._noise[0]
 
     @property
     def gain(self) -> float:
@@ -170,15 +177,28 @@ class StudyResult:
         return bool(simple) and min(simple, key=simple.__getitem__) == BRANCHES
 
     @property
-    def full_loops_only(self) -> bool:
-        """Whether a rising and a falling branch do about as well as the model, so that inner loops were not tested."""
+    def curves_as_good(self) -> bool:
+        """Whether a rising and a falling branch do about as well as the model."""
         return self._as_a_branch_pair and 1 / HARDLY_BETTER <= self.gain < BETTER
 
     @cached_property
-    def _turns_inside(self) -> bool:
-        """Whether the held-out data turn inside the loops of the fitted data, so that inner loops were tested."""
+    def _fitted_turns_inside(self) -> bool:
+        """Whether the fitted data hold inner loops, too."""
+        e = self.evaluation
+        return e is not None and inside(turns_of(e.plain.train), e.plain.train)
+
+    @cached_property
+    def _new_turns_inside(self) -> bool:
+        """Whether the held-out data turn inside the loops of the fitted data, where those never turned."""
         e, split = self.evaluation, self.split
-        return e is not None and split is not None and turns_inside(split, e.plain)
+        return e is not None and split is not None and inside(new_turns(split, e.plain), e.plain.train)
+
+    @property
+    def _inner_loops(self) -> InnerLoops:
+        """Which of the data hold inner loops."""
+        if self._fitted_turns_inside:
+            return "fitted"
+        return "held out" if self._new_turns_inside else "none"
 
     @property
     def _level_on_average(self) -> ErrorLevel:
@@ -239,13 +259,13 @@ class StudyResult:
             self.evaluation.best.rms,
             self.unit,
             share=self.nrmse,
-            noise=self.noise,
+            noise=self._noise,
             verdict=self._verdict_words(),
             unpredicted=self.unpredicted,
             fitted=self._is_fitted,
         )
         if self._left_out is not None:
-            first += f" {left_out_sentence(self._left_out, self.unit, self.noise)}"
+            first += f" {left_out_sentence(self._left_out, self.unit, self._noise)}"
         return [first, self._simple_sentence(), self._next_sentence()]
 
     def masked(self) -> list[str]:
@@ -287,11 +307,11 @@ class StudyResult:
     def _verdict_words(self) -> str:
         """The verdict, with the branch that decides it, or with the place that it excepts."""
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
-        if level is ErrorLevel.GOOD and self.full_loops_only and not self._turns_inside:
+        if level is ErrorLevel.GOOD and self.curves_as_good and self._inner_loops == "none":
             return "good for full loops; inner loops were not tested"
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
             return "fair, as blocks left out of the fit are predicted less well"
-        if self.undetermined is not None and level is not ErrorLevel.GOOD:
+        if self.undetermined is not None and self.undetermined.explains and level is not ErrorLevel.GOOD:
             return f"{level} in states that no fitted data enter"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
@@ -326,21 +346,24 @@ class StudyResult:
             self.gain,
             self.unit,
             left_out=self.compared_on_left_out,
-            full_loops=self.full_loops_only,
-            inner_turns=self._turns_inside,
+            as_well=self.curves_as_good,
+            inner_loops=self._inner_loops,
         )
 
     def _next_sentence(self) -> str:
-        if self.diagnosis is None and self.undetermined is not None:
-            return self.undetermined.sentence(self.tables[0].run.input_unit)
+        missing = (
+            "" if self.undetermined is None else self.undetermined.sentence(self.tables[0].run.input_unit)
+        )
         if self.diagnosis is None:
-            return f"No diagnosis: {self.diagnosis_reason}"
-        if self.undetermined is not None and self.diagnosis.verdict.word not in ("named", "ambiguous"):
-            return self.undetermined.sentence(self.tables[0].run.input_unit)
+            return missing or f"No diagnosis: {self.diagnosis_reason}"
+        causes = self.diagnosis.verdict.word in ("named", "ambiguous")
+        if self.undetermined is not None and self.undetermined.explains and not causes:
+            return missing
         finding = finding_sentence(self.diagnosis, at_noise=self.at_noise)
         if which := self._diagnosed_model():
             finding = f"{which}{finding[:1].lower()}{finding[1:]}"
-        return f"{finding}{self._gain_by_cause()}"
+        found = f"{finding}{self._gain_by_cause()}"
+        return found if causes or not missing else f"{missing} {found}"
 
     def _diagnosed_model(self) -> str:
         """Which model the diagnosis is of, where the sentences before judge another: a diagnosis knows no loads."""

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from typing import Literal
 
 from smarig.core import capitalised, spaced
 from smarig.diagnosis import (
@@ -35,7 +36,7 @@ def error_sentence(
     unit: str,
     *,
     share: float,
-    noise: float | None,
+    noise: tuple[float | None, str],
     verdict: str,
     unpredicted: float,
     fitted: bool,
@@ -43,15 +44,31 @@ def error_sentence(
     """How large the error is, and the verdict in words."""
     part = "" if unpredicted < LITTLE_UNPREDICTED else f"{100 * (1 - unpredicted):.0f} % of "
     what = f"fits {part}the data" if fitted else f"predicts {part}the held-out data"
-    ratio = f", {ratio_text(rms / noise)} × the noise of a reading" if noise else ""
+    ratio = _over_noise(rms, noise)
     rest = ", and nothing of the rest" if part else ""
     size = f"{measure(rms, unit)} rms, {number(100 * share, 2)} % of the output's range"
     return f"The model ({model}) {what} to within {size}{ratio}{rest}: {verdict}."
 
 
-def left_out_sentence(rms: float, unit: str, noise: float | None) -> str:
+def _over_noise(rms: float, noise: tuple[float | None, str]) -> str:
+    """An error as a multiple of the noise, by its name; empty if that is unknown."""
+    value, name = noise
+    return f", {ratio_text(rms / value)} × {name}" if value else ""
+
+
+InnerLoops = Literal["none", "held out", "fitted"]
+AS_WELL: dict[InnerLoops, str] = {
+    "none": ": these data hold full loops only. Record reversals inside the loop to test more.",
+    "held out": (
+        ": the fitted data hold full loops only, but the held-out data turn inside the loop. Fit such reversals, too."
+    ),
+    "fitted": ", although the fitted data hold inner loops.",
+}
+
+
+def left_out_sentence(rms: float, unit: str, noise: tuple[float | None, str]) -> str:
     """How large the error is on blocks left out of the fit: where nothing is held out, the honest figure."""
-    ratio = f", {ratio_text(rms / noise)} × the noise of a reading" if noise else ""
+    ratio = _over_noise(rms, noise)
     return f"On blocks left out of the fit, the error is {measure(rms, unit)} rms{ratio}."
 
 
@@ -62,21 +79,16 @@ def simple_curve_sentence(
     unit: str,
     *,
     left_out: bool = False,
-    full_loops: bool = False,
-    inner_turns: bool = False,
+    as_well: bool = False,
+    inner_loops: InnerLoops = "none",
 ) -> str:
     """How large the error of the best simple curve is; ``gain`` times that of the model, of its error on blocks
-    ``left_out`` of the fit if nothing was held out. ``full_loops``: the fitted data hold nothing else, nor do
-    the held-out data without ``inner_turns``.
+    ``left_out`` of the fit if nothing was held out. ``as_well``: the curve is a pair of branches and about as good as
+    the model, as it must be where no data hold ``inner_loops``.
     """
-    if full_loops:
-        as_well = f"A simple curve ({name}) does about as well, {measure(error, unit)}"
-        if inner_turns:
-            return (
-                f"{as_well}: the fitted data hold full loops only, but the held-out data turn inside the loop. Fit "
-                "such reversals, too."
-            )
-        return f"{as_well}: these data hold full loops only. Record reversals inside the loop to test more."
+    if as_well:
+        curve = f"A simple curve ({name}) does about as well, {measure(error, unit)}"
+        return f"{curve}{AS_WELL[inner_loops]}"
     than = " than the model on blocks left out of the fit" if left_out else ""
     if gain >= BETTER:
         than_model = " as that of the model on blocks left out of the fit" if left_out else ""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from smarig.core import Array, DataError, UsageError, spaced
+from smarig.core import Array, DataError, UsageError, root_mean_square, spaced
 from smarig.diagnosis import RULES, inputs_of_error, missing_share
 from smarig.identification import RunVerification, identify, verify
 from smarig.record import Run
@@ -16,23 +16,35 @@ from smarig.study.input_turns import wide_turns
 
 _SAME_TURN = 0.05  # of the range of the input: a turn as near to a fitted one is no new one
 _MOST_SHOWN = 3
+_PARTLY = 0.75  # of the held-out error: half way from what a shift leaves (``missing_share``) to all of it
 
 
 @dataclass(frozen=True)
 class UndeterminedStates:
-    """``share`` of the held-out square error that one model of all rows does not have, the ``inputs`` between which
-    nine tenths of that error lie, and the inputs at which the held-out data turn and the fitted data never did.
+    """``share`` of the held-out square error, beyond the fitted one, that one model of all rows does not have.
+
+    ``inputs``: between these lie nine tenths of that error. ``turns``: the inputs at which the held-out data turn and
+    the fitted data never did. ``left``: the rms error of that model over the one that the fitted data leave to their
+    own.
     """
 
     share: float
     inputs: tuple[float, float]
     turns: tuple[float, ...]
+    left: float
+
+    @property
+    def explains(self) -> bool:
+        """Whether hardly any of the held-out error is left to another cause."""
+        return self.share >= RULES["not_determined"].value and self.left <= RULES["adequate"].value
 
     def sentence(self, input_unit: str) -> str:
         """What is not known, and the experiment that would close it."""
         unit = spaced(display_unit(input_unit))
         low, high = (number(u) for u in self.inputs)
-        known = f"{100 * self.share:.0f} % of the held-out error is missing knowledge, no change"
+        no_change = ", no change" if self.explains else ""
+        beyond = f"{100 * self.share:.0f} % of the held-out error beyond that of the fitted data"
+        known = f"{beyond} is missing knowledge{no_change}"
         if not self.turns:
             return f"{known}: from {low} to {high}{unit} the held-out data enter states that the fitted data did not."
         turns = ", ".join(number(u) for u in self.turns[:_MOST_SHOWN])
@@ -57,12 +69,12 @@ def undetermined_states(split: DataSplit, plain: CandidateModel) -> Undetermined
     if len(found) < len(runs):
         return None
     fitted, held = found[: len(split.train)], found[len(split.train) :]
-    error = _errors(plain.held_out)
-    share = missing_share(error, (_errors(held), _errors(fitted)), _errors(plain.train))
-    if share < RULES["not_determined"].value:
-        return None
+    error, own, together = _errors(plain.held_out), _errors(plain.train), (_errors(held), _errors(fitted))
+    share = missing_share(error, together, own)
+    left = root_mean_square(np.concatenate(together)) / root_mean_square(own)
     u = np.concatenate([r.input[r.counted] for r in plain.held_out])
-    return UndeterminedStates(share, inputs_of_error(u, error**2), new_turns(split, plain))
+    found = UndeterminedStates(share, inputs_of_error(u, error**2), new_turns(split, plain), left)
+    return found if found.explains or (found.turns and share > _PARTLY) else None
 
 
 def _of_one_model(runs: Sequence[Run]) -> tuple[RunVerification, ...]:
@@ -89,19 +101,24 @@ def new_turns(split: DataSplit, plain: CandidateModel) -> tuple[float, ...]:
 
     A record is split at a turn: it is one of the part that goes on from there.
     """
-    known, new = (np.concatenate([_turns(r.input) for r in runs]) for runs in (plain.train, plain.held_out))
+    known, new = turns_of(plain.train), turns_of(plain.held_out)
     new = np.append(new, [r.input[0] for r in plain.held_out]) if split.continued else new
     least = _SAME_TURN * float(np.ptp(known)) if known.size else 0.0
     far = [u for u in np.unique(new) if not known.size or np.abs(known - u).min() > least]
     return tuple(float(u) for u, before in zip(far, [-np.inf, *far]) if u - before > least)
 
 
-def turns_inside(split: DataSplit, plain: CandidateModel) -> bool:
-    """Whether held-out data turn within the range of the fitted input where the fitted data never turned."""
-    u = np.concatenate([r.input for r in plain.train])
+def turns_of(runs: Sequence[RunVerification]) -> Array:
+    """The inputs (k,) at which runs turn, without their ends."""
+    return np.concatenate([_turns(r.input) for r in runs])
+
+
+def inside(turns: Sequence[float] | Array, fitted: Sequence[RunVerification]) -> bool:
+    """Whether one of these turns lies inside the range of the fitted input: at its ends, full loops turn."""
+    u = np.concatenate([r.input for r in fitted])
     low, high = float(np.nanmin(u)), float(np.nanmax(u))
     edge = _SAME_TURN * (high - low)
-    return any(low + edge < turn < high - edge for turn in new_turns(split, plain))
+    return any(low + edge < turn < high - edge for turn in turns)
 
 
 def _turns(u: Array) -> Array:

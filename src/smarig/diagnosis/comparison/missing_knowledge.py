@@ -1,8 +1,9 @@
 """Missing knowledge: an error of held-out runs that lies where the training runs determine nothing. It is no change.
 
-    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: mean squares, of held-out and of training readings
+    share = 1 − (ΔS_h + ΔS_t) / (S_h − S_t),    ΔS = S(all) − S_t,    S: mean squares, of held-out and training readings
 
-One model of all readings tells it from a change: what changed, it cannot fit as well. Means, so that a long record does
+S_t, what the training readings leave to their own model, is nobody's knowledge: noise, most of all. One model of all
+readings tells missing knowledge from a change: what changed, it cannot fit as well. Means, so that a long record does
 not outvote a short one.
 """
 
@@ -41,13 +42,15 @@ class MissingKnowledge:
 
 
 def missing_share(held_out: Array, together: tuple[Array, Array], train: Array) -> float:
-    """The share of the ``held_out`` square error that a model of all readings does not have, at least 0.
+    """The share of the ``held_out`` square error beyond that of training readings that a model of all readings does
+    not have, from 0 to 1.
 
     ``together`` are the errors of that model, of held-out and of training readings; ``train`` those of a model of the
-    training readings alone.
+    training readings alone. A zero that is shifted in between has 0.5 at most: a common zero misses both parts.
     """
     held, fitted, own, before = (float(np.mean(e**2)) for e in (*together, train, held_out))
-    return max(1.0 - (held + max(fitted - own, 0.0)) / before, 0.0) if before else 0.0
+    left = max(held - own, 0.0) + max(fitted - own, 0.0)
+    return max(1.0 - left / (before - own), 0.0) if before > own else 0.0
 
 
 def inputs_of_error(u: Array, square: Array) -> tuple[float, float]:
