@@ -35,12 +35,15 @@ if TYPE_CHECKING:
     from smarig.identification.interval_estimate import Estimate as Estimate
     from smarig.identification.interval_estimate import variance_inflation as variance_inflation
     from smarig.identification.measured.left_out_errors import held_out_errors as held_out_errors
+    from smarig.identification.measured.load_dependence import OWN_ADVANTAGE as OWN_ADVANTAGE
+    from smarig.identification.measured.load_dependence import PROPORTIONAL as PROPORTIONAL
     from smarig.identification.measured.load_dependence import LoadDependence as LoadDependence
     from smarig.identification.measured.load_dependence import fit_load_dependence as fit_load_dependence
     from smarig.identification.measured.measured_fit import SMOOTHINGS as SMOOTHINGS
     from smarig.identification.measured.measured_fit import MeasuredFit as MeasuredFit
     from smarig.identification.measured.measured_fit import fit_measured as fit_measured
     from smarig.identification.measured.measured_fit import measured_problem as measured_problem
+    from smarig.identification.measured.measured_fit import output_sign as output_sign
     from smarig.identification.measured.measured_hypothesis import Comparison as Comparison
     from smarig.identification.measured.measured_hypothesis import MeasuredHypothesis as MeasuredHypothesis
     from smarig.identification.measured.measured_hypothesis import compared as compared

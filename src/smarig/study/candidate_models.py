@@ -25,6 +25,8 @@ _POSITIVE = "positive measure"
 SCATTER_OF_REPEATS, NOISE_OF_A_READING = "the scatter of repeats", "the noise of a reading"
 _WORSE = 2.0  # times the error of the fit: clearly worse
 EXTENDED = "extended model of the diagnosis"
+PROPORTIONAL_PART = "positive measure and a part proportional to the input"
+_NOT_PLAIN = (_ONE_MODEL, EXTENDED, PROPORTIONAL_PART)
 _SURFACES = {"table": "table of the curves", "exponential": "exponential surface"}
 
 
@@ -87,7 +89,7 @@ class Evaluation:
     @property
     def plain(self) -> CandidateModel:
         """The best candidate without a load and without effects, which a diagnosis starts from."""
-        return next((c for c in self.candidates if c.name not in (_ONE_MODEL, EXTENDED)), self.best)
+        return next((c for c in self.candidates if c.name not in _NOT_PLAIN), self.best)
 
 
 def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
@@ -106,12 +108,12 @@ def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
     return Evaluation(tuple(found), _simple(found[0], split), failed)
 
 
-def with_extended(evaluation: Evaluation, model: Model, split: DataSplit) -> Evaluation:
-    """The evaluation with the extended model of a diagnosis; it comes first only if it is best on held-out data."""
+def with_diagnosed(evaluation: Evaluation, name: str, model: Model, split: DataSplit) -> Evaluation:
+    """The evaluation with a model of the diagnosis; it comes first only if it is best on held-out data."""
     try:
-        extended = _evaluated(EXTENDED, model, model.warnings, split, train_zero="fitted")
+        extended = _evaluated(name, model, model.warnings, split, train_zero="fitted")
     except (DataError, UsageError) as error:
-        return replace(evaluation, failed=evaluation.failed | {EXTENDED: str(error)})
+        return replace(evaluation, failed=evaluation.failed | {name: str(error)})
     first, *rest = evaluation.candidates
     ahead = split.kind != "none" and extended.rms < first.rms
     ordered = (extended, first, *rest) if ahead else (first, *sorted([extended, *rest], key=lambda c: c.rms))
@@ -122,7 +124,7 @@ def rms_without_cause(evaluation: Evaluation, refitted: Model, split: DataSplit)
     """The least rms error on held-out data of models without the cause: those in the evaluation, and the one that the
     diagnosis fitted again to the same readings.
     """
-    errors = [c.rms for c in evaluation.candidates if c.name not in (_ONE_MODEL, EXTENDED)]
+    errors = [c.rms for c in evaluation.candidates if c.name not in _NOT_PLAIN]
     with suppress(DataError, UsageError):
         errors.append(_evaluated("refitted", refitted, (), split, train_zero="fitted").rms)
     return min(errors)

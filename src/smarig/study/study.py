@@ -13,7 +13,14 @@ from smarig.core import DataError, SmarigError, UsageError, atomic_file
 from smarig.diagnosis import MeasuredDiagnosis, diagnose
 from smarig.exchange import unchanged
 from smarig.identification import calibrate
-from smarig.study.candidate_models import Evaluation, evaluate, rms_without_cause, with_extended
+from smarig.study.candidate_models import (
+    EXTENDED,
+    PROPORTIONAL_PART,
+    Evaluation,
+    evaluate,
+    rms_without_cause,
+    with_diagnosed,
+)
 from smarig.study.data_split import DataSplit, split_runs
 from smarig.study.function_of_input import function_of_input
 from smarig.study.heat_flow_study import calorimetry_of
@@ -79,7 +86,10 @@ def study(
             else _diagnosed(evaluation, split, options, progress)
         )
         if diagnosis is not None and diagnosis.extended:
-            evaluation = with_extended(evaluation, diagnosis.model, split)
+            evaluation = with_diagnosed(evaluation, EXTENDED, diagnosis.model, split)
+        elif isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.with_proportional_part:
+            model = diagnosis.with_proportional_part.model
+            evaluation = with_diagnosed(evaluation, PROPORTIONAL_PART, model, split)
         if isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.verdict.word == "named":
             without_cause = rms_without_cause(evaluation, diagnosis.base_model, split)
         evaluation.best.model.save(folder / STUDY_MODEL, force=True)

@@ -24,7 +24,13 @@ from smarig.identification import (
     error_verdict,
 )
 from smarig.study.baselines import BRANCHES
-from smarig.study.candidate_models import EXTENDED, NOISE_OF_A_READING, Evaluation, noise_of_repeats
+from smarig.study.candidate_models import (
+    EXTENDED,
+    NOISE_OF_A_READING,
+    PROPORTIONAL_PART,
+    Evaluation,
+    noise_of_repeats,
+)
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, masked, mended, noisy_input, one_way, wrong_direction
 from smarig.study.function_of_input import FunctionOfInput
@@ -42,6 +48,7 @@ from smarig.study.study_sentences import (
     left_out_sentence,
     measure,
     place_text,
+    proportional_sentence,
     simple_curve_sentence,
     unpredicted_sentence,
     where_sentence,
@@ -168,7 +175,10 @@ class StudyResult:
         d = self.diagnosis
         if not self._is_fitted or not isinstance(d, MeasuredDiagnosis) or self.evaluation is None:
             return None
-        return d.best.rms if d.best and self.evaluation.best.name == EXTENDED else d.base.rms
+        other, best = d.with_proportional_part, self.evaluation.best.name
+        if other is not None and best == PROPORTIONAL_PART:
+            return other.hypothesis.rms
+        return d.best.rms if d.best and best == EXTENDED else d.base.rms
 
     @property
     def _as_a_branch_pair(self) -> bool:
@@ -264,9 +274,18 @@ class StudyResult:
             unpredicted=self.unpredicted,
             fitted=self._is_fitted,
         )
+        first += self._proportional_sentence()
         if self._left_out is not None:
             first += f" {left_out_sentence(self._left_out, self.unit, self._noise)}"
         return [first, self._simple_sentence(), self._next_sentence()]
+
+    def _proportional_sentence(self) -> str:
+        """How large the part of the output is that is proportional to the input, where the model has one."""
+        e = self.evaluation
+        if e is None or e.best.name != PROPORTIONAL_PART:
+            return ""
+        (slope,) = e.best.model.measurement["amplitudes"]
+        return f" {proportional_sentence(slope, self.unit, self.tables[0].run.input_unit)}"
 
     def masked(self) -> list[str]:
         """Which readings were masked: what to know before any other sentence."""
@@ -371,7 +390,7 @@ class StudyResult:
         named = (
             self.diagnosis is not None and self.diagnosis.verdict.word == "named"
         )  # perhaps the load itself
-        if e is None or named or e.best.name in (e.plain.name, EXTENDED):
+        if e is None or named or e.best.name in (e.plain.name, EXTENDED, PROPORTIONAL_PART):
             return ""
         rms = measure(e.plain.rms, self.unit)
         return f"The diagnosis is of a model that pools the loads ({e.plain.name}, {rms} rms): "

@@ -12,6 +12,7 @@ from smarig.diagnosis import (
     offset_sentence,
     variable_words,
 )
+from smarig.exchange import dimension
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.plant import parameter_words
 from smarig.report import display_unit, number
@@ -70,6 +71,21 @@ def left_out_sentence(rms: float, unit: str, noise: tuple[float | None, str]) ->
     """How large the error is on blocks left out of the fit: where nothing is held out, the honest figure."""
     ratio = _over_noise(rms, noise)
     return f"On blocks left out of the fit, the error is {measure(rms, unit)} rms{ratio}."
+
+
+PROPORTIONAL_TO_TEMPERATURE = {  # what does this, by the dimension of the output
+    "resistance": "the temperature coefficient of resistance",
+    "length": "thermal expansion",
+    "ratio": "thermal expansion",
+}
+
+
+def proportional_sentence(slope: float, unit: str, input_unit: str) -> str:
+    """The part of the output that is proportional to the input, and what does this where a temperature drives it."""
+    hot = input_unit in ("K", "degC")
+    cause = PROPORTIONAL_TO_TEMPERATURE.get(dimension(unit), "") if hot else ""
+    size = f"about {number(slope, 2)} {display_unit(unit)}/{'K' if hot else display_unit(input_unit)}"
+    return f"A part of the output is proportional to the input, {size}{f', as {cause} is' if cause else ''}."
 
 
 def simple_curve_sentence(

@@ -28,6 +28,7 @@ from smarig.diagnosis.comparison.measured.measured_extension import (
     extension_by_law,
     held_out_error,
     hysteresis_of_first_run,
+    with_proportional_part,
 )
 from smarig.diagnosis.comparison.measured.measured_json import measured_json
 from smarig.diagnosis.comparison.measured.measured_runs import records_of, replayed_error, selected_rows
@@ -191,6 +192,13 @@ class MeasuredDiagnosis(NotebookDisplay):
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line."""
         return measured_json(self)
+
+    @cached_property
+    def with_proportional_part(self) -> MeasuredExtension | None:
+        """The given model with a part of the output proportional to the input, where blocks left out call for it and
+        nothing else extends it.
+        """
+        return None if self.extended else with_proportional_part(self.plain)
 
     @property
     def base_model(self) -> Model:

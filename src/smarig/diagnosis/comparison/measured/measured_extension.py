@@ -12,17 +12,24 @@ from smarig.diagnosis.comparison.measured.learned_search import learned_of
 from smarig.diagnosis.comparison.measured.measured_runs import replayed_error
 from smarig.diagnosis.comparison.rules import RULES
 from smarig.identification import (
+    OWN_ADVANTAGE,
+    PROPORTIONAL,
     Comparison,
     LoadDependence,
     MeasuredFit,
     MeasuredHypothesis,
     condition_table,
     fit_load_dependence,
+    output_sign,
 )
-from smarig.measurement import InputRecord, MeasurementEffect, MeasurementPart
+from smarig.measurement import InputRecord, MeasurementEffect, MeasurementPart, measurement_effect_types
 from smarig.preisach import FodTable
 from smarig.record import Run
 from smarig.replay import Model, provenance
+
+TRIED_SHARES = (0.05, 0.1, 0.2, 0.4, 0.8)  # of the output's range, over the range of the input
+HALVINGS = 4  # of the step between two shares
+PROPORTIONAL_WARNING = "A part of the output is proportional to the input; measure identified jointly."
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +106,45 @@ def extension_by_law(plain: PlainModel, variable: str) -> MeasuredExtension | No
     replayed = replayed_error(model, [*plain.train, *plain.held_out], plain.comparison)
     error = np.where(np.isfinite(replayed), replayed, hypothesis.fit.error)
     return _if_better(plain, MeasuredExtension(model, hypothesis, error, law=law), tolerance=1.0)
+
+
+def with_proportional_part(plain: PlainModel) -> MeasuredExtension | None:
+    """The model with a part of the output proportional to the input; None unless left-out blocks call for it.
+
+    It is no cause that a diagnosis tests for, as its own plain model contains a reversible part of any sign. A measure
+    that is nowhere negative contains one with the sign of the transformation, so only a part against it is determined,
+    and of that only the least: a steeper one is balanced by more of the measure.
+    """
+    per_share = -output_sign(plain.records) * _output_per_input(plain.records)
+    tried = {0.0: plain.base} | {share: _without_part(plain, share * per_share) for share in TRIED_SHARES}
+    enough = min(found.fitted_rms for found in tried.values()) / OWN_ADVANTAGE
+    share = next(s for s in sorted(tried) if tried[s].fitted_rms <= enough)
+    if share == 0.0 or tried[share].misfit > OWN_ADVANTAGE * plain.base.misfit:
+        return None
+    low, found = max(s for s in tried if s < share), tried[share]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + share)
+        between = _without_part(plain, middle * per_share)
+        low, share, found = (low, middle, between) if between.fitted_rms <= enough else (middle, share, found)
+    kinds = {k.name: k for k in measurement_effect_types()}
+    part = MeasurementPart((kinds[PROPORTIONAL](),), (share * per_share,))
+    model = extended_model(
+        plain, hysteresis_of_first_run(found.fit), part, PROPORTIONAL, PROPORTIONAL_WARNING
+    )
+    return _if_better(plain, MeasuredExtension(model, found, held_out_error(found, len(plain.records))))
+
+
+def _output_per_input(records: Sequence[InputRecord]) -> float:
+    """The range of the output over that of the input."""
+    ranges = [np.ptp(np.concatenate([np.asarray(getattr(r, name)) for r in records])) for name in ("y", "u")]
+    return float(ranges[0] / ranges[1])
+
+
+def _without_part(plain: PlainModel, slope: float) -> MeasuredHypothesis:
+    """The plain model of the outputs without ``slope`` times their input."""
+    plan = plain.comparison.plan
+    records = tuple(replace(r, y=r.y - slope * r.u) for r in plan.records)
+    return replace(plain.comparison, plan=replace(plan, records=records)).evaluated(())
 
 
 def _if_better(
