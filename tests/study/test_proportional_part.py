@@ -46,6 +46,7 @@ CASES = [
 ]
 
 
+@pytest.mark.long("take ten seconds each", cases=("an actuator that moves up", "a resistance"))
 @pytest.mark.parametrize(("stroke", "slope", "output", "words"), CASES)
 def test_the_model_gets_it_and_predicts_better(tmp_path, stroke, slope, output, words):
     u = path(TURNS, rows=30)
@@ -67,6 +68,7 @@ def test_a_wire_without_it_gets_none(tmp_path):
     assert "proportional" not in " ".join(result.sentences())
 
 
+@pytest.mark.long("takes ten seconds")
 def test_one_with_the_sign_of_the_transformation_is_in_the_measure(tmp_path):
     u = path(TURNS, rows=30)
     result = studied(tmp_path, u, -3.0 * wire(u, 4) - 0.006 * u, "displacement_mm", 0.003)
