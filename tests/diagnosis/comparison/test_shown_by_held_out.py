@@ -48,6 +48,15 @@ def test_an_effect_that_held_out_runs_refute_says_nothing_of_the_variable():
     assert likeliest_variable(replace(evidence, held_out={SETTLING: 1.2})) == "level"
 
 
+def test_a_variable_that_is_itself_likely_is_it_whatever_effects_act_through():
+    level, gain = Part("variable", "level"), Part("effect", "amplifier_gain")
+    causes = {TIME: 0.97, gain: 0.99}
+    sizes = dict.fromkeys(causes, 0.1)
+    evidence = VerdictEvidence(causes, 0.0, sizes, 1.0, 0.1, 0.01, 20, acts_through={gain: (level,)})
+    assert likeliest_variable(evidence) == "time"
+    assert likeliest_variable(replace(evidence, causes={TIME: 0.4, gain: 0.99})) == "level"
+
+
 @pytest.mark.long("takes three seconds")
 def test_what_one_effect_of_a_pair_removes_of_held_out_errors_says_nothing_of_the_other():
     with TemporaryDirectory() as folder:

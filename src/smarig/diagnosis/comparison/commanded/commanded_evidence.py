@@ -128,8 +128,12 @@ def _all_evidence(
 def likeliest_variable(evidence: VerdictEvidence) -> str | None:
     """The variable that the errors go with most probably, by itself or through an effect; None: nothing is likelier.
 
-    An effect that held-out runs refute says nothing of it.
+    A variable that is itself the likelier half is it, whatever effects act through others. An effect that held-out runs
+    refute says nothing of it.
     """
+    itself = next(((p.name, w) for p, w in evidence.causes.items() if p.kind == "variable"), None)
+    if itself is not None and itself[1] >= RULES["nothing"].value:
+        return itself[0]
     total: dict[str | None, float] = {None: evidence.nothing}
     for part, p in evidence.causes.items():
         if evidence.refuted(part):
