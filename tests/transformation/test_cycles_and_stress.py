@@ -122,6 +122,17 @@ def test_the_trend_of_a_wire_follows_the_start_of_its_runs():
     assert transformation_temperatures(others).history == {}
 
 
+@pytest.mark.parametrize(("loads", "drifts"), [((5.0, 5.1, 5.0), True), ((5.0, 10.0, 15.0), False)])
+def test_runs_at_different_loads_have_no_common_drift(loads, drifts):
+    """Of wires whose cross section is not known: a load moves the temperatures as a stress does."""
+    runs = []
+    for k, load in enumerate(loads):
+        conditions = {"load": {"mean": load, "min": load, "max": load, "unit": "N"}}
+        u, y = cycle(shift=8.0 * k, noise=0.002, seed=k)
+        runs.append(run_of(u, y, name=f"at_{load}", conditions=conditions, wire="w", start_epoch=1000.0 * k))
+    assert bool(transformation_temperatures(runs).history) is drifts
+
+
 def test_temperatures_above_ambient_need_the_ambient_temperature_for_degC():
     warm = run_of(*cycle(), unit="K", quantity="wire temperature above ambient", ambient=22.0)
     bare = run_of(*cycle(), unit="K", quantity="wire temperature above ambient")

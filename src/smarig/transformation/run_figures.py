@@ -71,11 +71,15 @@ class RunFigures:
     @property
     def stress_MPa(self) -> float | None:
         """The mean of the recorded condition ``stress``, None without one in MPa."""
-        stored = self.run.info.conditions.get("stress")
-        if not isinstance(stored, dict) or stored.get("unit") != "MPa":
-            return None
-        mean = stored.get("mean")
-        return float(mean) if isinstance(mean, int | float) and np.isfinite(mean) else None
+        mean, unit = self.mean_of("stress")
+        return mean if unit == "MPa" else None
+
+    def mean_of(self, condition: str) -> tuple[float | None, str]:
+        """The mean of a recorded condition, None without one, and its unit."""
+        stored = self.run.info.conditions.get(condition)
+        mean = stored.get("mean") if isinstance(stored, dict) else None
+        known = isinstance(mean, int | float) and np.isfinite(mean)
+        return (float(mean), str(stored.get("unit"))) if known else (None, "")
 
     @property
     def assembled(self) -> tuple[str, ...]:

@@ -67,11 +67,7 @@ def transformation_temperatures(
 def _history(runs: Sequence[RunFigures]) -> dict[str, Estimate]:
     """The drift over the cycles of all runs, if they are several of one wire at one stress, with known starts."""
     one_wire = len({r.wire for r in runs}) == 1 and runs[0].wire
-    stresses = [r.stress_MPa for r in runs]
-    known = [s for s in stresses if s is not None]
-    one_stress = not known or (
-        len(known) == len(runs) and max(known) - min(known) <= _SAME_STRESS * max(map(abs, known))
-    )
+    one_stress = _is_the_same("stress", runs) and _is_the_same("load", runs)
     if len(runs) < 2 or not one_wire or not one_stress or any(r.start_epoch is None for r in runs):
         return {}
     if len({(r.record.input_unit, r.record.unit) for r in runs}) > 1:
@@ -79,3 +75,12 @@ def _history(runs: Sequence[RunFigures]) -> dict[str, Estimate]:
     figures = [c.figures for r in runs for c in r.cycles]
     units = {n: "K" if n in (*TEMPERATURES, *DIFFERENCES) else runs[0].record.unit for n in FIGURES}
     return cycle_drift(range(1, len(figures) + 1), figures, units)[0]
+
+
+def _is_the_same(condition: str, runs: Sequence[RunFigures]) -> bool:
+    """Whether all runs state about the same value of a condition, or none of them states it."""
+    means, units = zip(*(r.mean_of(condition) for r in runs))
+    known = [m for m in means if m is not None]
+    if len(known) < len(runs) or len(set(units)) > 1:
+        return not known
+    return max(known) - min(known) <= _SAME_STRESS * max(map(abs, known))
