@@ -15,6 +15,7 @@ from smarig.exchange.written_units import is_unit, is_units_row, without_markup
 
 HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
+_KEY = re.compile(r"#[A-Z]\d*\s+(?=\S)")  # "#N 2" and "#L Field  Moment", where each line begins with its key
 # Between the names of columns, the rarest in a name first:
 _HEADER_SIGNS = (ALIGNED, ";", ",", r"\|", r"\s+")
 # Sig1 Time (min); # 2: Force [N]
@@ -42,11 +43,20 @@ def header_cells(
         if kinds[k] == "blank":
             continue
         line = lines[k] if lines else rows[k][0] if len(rows[k]) == 1 else ""
+        row, keyed = rows[k], bool(lines) and _is_keyed(lines, k)
+        if keyed:
+            line = _KEY.sub("", line)
+            row = line.split()
         signs = _HEADER_SIGNS if nearest else _HEADER_SIGNS[:1]
-        if words := _words(rows[k], line, width, signs, style):
+        if words := _words(row, line, width, signs, style) or (row if keyed and len(row) == width else None):
             found[k] = words
         nearest = nearest and is_units_row(found.get(k, rows[k]))
     return found
+
+
+def _is_keyed(lines: Sequence[str], k: int) -> bool:
+    """Whether a line of comment begins with its key, as the line above it does: "#T" alone may be a name."""
+    return k > 0 and all(_KEY.match(line) for line in lines[k - 1 : k + 1])
 
 
 def _words(

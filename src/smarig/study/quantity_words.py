@@ -37,7 +37,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         INDEX,
         r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",
     ),
-    (TIME, r"^t$|^tout$|time|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
+    (TIME, r"^t$|^tout$|time|epoch|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
     (DUTY, r"pwm|duty|control input|tastgrad"),
     (
         TEMPERATURE,
@@ -121,6 +121,7 @@ DIMENSIONS = {  # of the units in which a quantity may be given
 }
 _OF_GASES = ("Torr", "mbar", "hPa", "atm", "bar")  # no stress of a solid is given in them
 _BRACKET = re.compile(r"[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*")
+_EMPTY_BRACKET = re.compile(r"\s*(\[\s*\]|\(\s*\)|<\s*>|\{\s*\})")
 _REMARK = re.compile(r"[^:]+:\s.*")  # "LGR S/N: 10224511" in a bracket is no unit
 _BRACKETED_NAME = re.compile(r"^\(([^()/]+)\)\s*/\s*(\S+)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
@@ -142,9 +143,10 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     (('H', 'kA_per_m'), ('field E', 'kV_per_cm'))
     >>> name_and_unit("(Q-Qo)/mA.h"), name_and_unit("Kraft (Analog 1) [kN]"), name_and_unit("103 <Rwire> (OHM)")
     (('Q-Qo', 'mA.h'), ('Kraft (Analog 1)', 'kN'), ('103 Rwire', 'OHM'))
-    >>> name_and_unit("Temp, °C (LGR S/N: 10224511, LBL: bath)")
-    ('Temp', '°C')
+    >>> name_and_unit("Temp, °C (LGR S/N: 10224511, LBL: bath)"), name_and_unit("U2-1[]")
+    (('Temp', '°C'), ('U2-1', ''))
     """
+    name = _EMPTY_BRACKET.sub("", name) or name
     if not written_unit and (match := _BRACKETED_NAME.match(name)) and known_unit(match[2]):
         return match[1], match[2]
     if stated := _in_brackets(name, written_unit):

@@ -4,7 +4,7 @@ import shlex
 
 from smarig.core import shown
 from smarig.study import quantity_words as q
-from smarig.study.signal_columns import holds_still
+from smarig.study.signal_columns import holds_still, is_noise
 from smarig.study.table_guess import TableGuess
 from smarig.study.typed_names import listed_names, typed_name
 
@@ -36,7 +36,7 @@ def _commands(guess: TableGuess) -> str:
     """The commands that answer which columns are input and output, where few are possible; "" otherwise."""
     drive, out = guess.first("input"), guess.first("output")
     able = [c for c in guess.columns if c.facts.kind == "number" and c.facts.levels > 1]
-    able = [c for c in able if c.quantity not in q.NO_SIGNALS and not holds_still(c)]
+    able = [c for c in able if c.quantity not in q.NO_SIGNALS and not holds_still(c) and not is_noise(c)]
     if not {"input", "output"} & set(guess.doubts) or not 1 < len(able) <= _MOST_COMMANDS:
         return ""
     inputs = able if "input" in guess.doubts or drive is None else [drive]

@@ -27,7 +27,7 @@ from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
-from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
+from smarig.study.signal_columns import holds_still, input_column, is_grid, is_noise, output_column
 from smarig.study.thermometer_places import distance
 from smarig.study.typed_names import typed_name
 
@@ -213,7 +213,7 @@ def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | 
     """
     field = q.FIELD if drive.quantity == q.CURRENT else ""
     rest = [c for c in left if c is not drive and c.quantity in (field, "", drive.quantity)]
-    return min(rest, key=lambda c: c.quantity != field, default=None)
+    return min(rest, key=lambda c: (is_noise(c), c.quantity != field), default=None)
 
 
 def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
@@ -350,14 +350,16 @@ def _equal_thermometer(
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
     if c.quantity in q.NO_SIGNALS[1:]:
         return f"{c.quantity}: {c.quantity_reason}"
-    if c.quantity == q.TIME:
+    if c.quantity == q.TIME and c.facts.levels > 1:
         return "another time" if c.facts.rising else "a time that runs backwards, so it is no clock"
-    if out is not None and c.quantity == out.quantity:
+    if out is not None and c.quantity == out.quantity and not is_noise(c):
         return f"another {c.quantity} than the output {shown(out.name)}"
     if c.commanded and c.quantity == q.TEMPERATURE:
         return "a set-point: it was not measured"
     if c.facts.constant:
         return f"nearly constant at {np.mean(c.facts.known):.4g}"
+    if is_noise(c):
+        return "it differs from row to row, as noise does"
     return f"{c.quantity}, not needed" if c.quantity else "its meaning is not clear, and it is not needed"
 
 
