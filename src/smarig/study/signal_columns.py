@@ -7,6 +7,7 @@ import numpy as np
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import UNSURE, ColumnGuess
 from smarig.study.physical_roles import leads
+from smarig.study.strain_columns import axial_strain
 from smarig.study.thermometer_places import distance
 
 _OUTPUTS = (
@@ -68,7 +69,8 @@ def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
         if quantity == q.STRESS and any(c.quantity == q.FORCE for c in able) and not hot:
             continue
         if found:
-            return max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
+            best = max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
+            return axial_strain([best, *found]) if quantity == q.STRAIN else best
     return _output_with_charge(able) or _read_voltage(able)
 
 

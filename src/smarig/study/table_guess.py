@@ -28,6 +28,7 @@ from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_r
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, is_noise, output_column
+from smarig.study.strain_columns import other_strains
 from smarig.study.thermometer_places import distance
 from smarig.study.typed_names import typed_name
 
@@ -186,6 +187,10 @@ def guess_table(
     ):
         names = f"{shown(drive.name)} and {shown(tie.name)}"
         roles[drive.name] = Role("input", f"no name says which of {names} is at the specimen", UNSURE / 2)
+    again = drive is not None and any(c.name.startswith(f"{drive.name} (2") for c in columns)
+    if out is not None and output is None and not again and (others := _further_strains(out, left)):
+        names = ", ".join(shown(c.name) for c in (out, *others))
+        roles[out.name] = Role("output", f"no name says which of {names} is along the load", UNSURE / 2)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
@@ -294,17 +299,18 @@ def _further_roles(
             drive is not None and (second := second_thermometer(c, drive)) is not None and not holds_still(c)
         ):
             roles[c.name] = _second_role(second, c, drive)
-        elif (
-            holds_still(c)
-            and c.quantity in q.LOADS
-            and c.quantity_confidence >= WEAK
-            and _new(c, columns, roles)
-        ):
+        elif _is_held_load(c) and _new(c, columns, roles):
             roles[c.name] = Role(
                 "condition", f"{c.quantity}, nearly constant: {c.quantity_reason}", c.quantity_confidence
             )
         else:
             roles[c.name] = Role("ignored", _unused(c, out), LIKELY)
+
+
+def _is_held_load(c: ColumnGuess) -> bool:
+    """Whether a column is a load that was held; in a unit that is not known, nobody knows what it is."""
+    sure = c.quantity_confidence >= WEAK and c.unit_confidence >= WEAK
+    return sure and c.quantity in q.LOADS and holds_still(c)
 
 
 def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role]) -> bool:
@@ -314,7 +320,7 @@ def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role])
         return False
     if c.quantity == q.FIELD:
         return True
-    stress = next((g for g in columns if g.quantity == q.STRESS and holds_still(g)), None)
+    stress = next((g for g in columns if g.quantity == q.STRESS and _is_held_load(g)), None)
     return c.quantity == q.STRESS or stress is None
 
 
@@ -345,6 +351,12 @@ def _equal_thermometer(
         return None
     others = (c for c in columns if roles[c.name].role == "elsewhere")
     return next((c for c in others if distance(c) == distance(drive)), None)
+
+
+def _further_strains(out: ColumnGuess, left: Sequence[ColumnGuess]) -> list[ColumnGuess]:
+    """Strains that differ from the output, known as well as it is, and may be the one along the load."""
+    strains = [c for c in left if c.quantity == out.quantity == q.STRAIN and c.by_numbers == out.by_numbers]
+    return other_strains(out, [c for c in strains if not holds_still(c) and not is_noise(c)])
 
 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
