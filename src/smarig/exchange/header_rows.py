@@ -101,21 +101,18 @@ def header_rows(
     for k, before in zip(wide, wide[1:]):
         near = all(kinds[i] == "blank" for i in range(before + 1, k))
         if near and is_units_row(rows[k]) and not is_units_row(rows[before]):
-            each = _naming(
-                rows, [i for i in wide if i <= before and names_each(rows[i], width, style)], before
-            )
+            full = [i for i in wide if i <= before and names_each(rows[i], width, style)]
+            each = _naming(rows, full) if full else before
             return (each if "blank" not in kinds[each:before] else before), k
     named = [k for k in wide if has_bracketed_units(rows[k])]
     if named and named[0] != wide[0] and not is_units_row(rows[wide[0]]):
         return named[0], None  # what stands below the names describes the channels
     complete = [k for k in wide if names_each(rows[k], width, style) and "blank" not in kinds[k : wide[0]]]
-    nearest = rows[wide[0]][:width]
-    if complete and (
-        not names_each(nearest, width, style) or _words_of(nearest) <= 2 < width
-    ):  # a clock and "Channel 1", "Channel 2"
+    names = names_each(rows[wide[0]][:width], width, style)
+    if complete and (not names or (complete[0] == wide[0] != _naming(rows, complete))):
         units = [sum(map(bool, units_in(rows[k], columns))) for k in complete]
         below = complete[1:] == [complete[0] - 1] and units[0] > units[1]
-        named = complete[1] if below else _naming(rows, complete, complete[0])
+        named = complete[1] if below else _naming(rows, complete)
         return named, named + 1 if any(units_in(rows[named + 1], columns)) else None
     if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
         return wide[1], wide[0]
@@ -136,11 +133,13 @@ def _rows_above(rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int,
     return above
 
 
-def _naming(rows: Sequence[Sequence[str]], complete: Sequence[int], nearest: int) -> int:
-    """The row of names among ``complete`` rows, that have a word for each column: the first one, but for such as number
-    the columns ("Channel 1"); ``nearest`` where there is none.
+def _naming(rows: Sequence[Sequence[str]], complete: Sequence[int]) -> int:
+    """The row of names among those that have a word for each column, the nearest first: the first of them in the file
+    with most words if the nearest only numbers the columns, as "Channel 1", "Channel 2" beside a clock do.
     """
-    return max(complete, key=lambda k: (_words_of(rows[k]), -k), default=nearest)
+    nearest = rows[complete[0]]
+    numbers = _words_of(nearest) <= 2 < len(nearest)
+    return max(complete, key=lambda k: (_words_of(rows[k]), -k)) if numbers else complete[0]
 
 
 def _words_of(row: Sequence[str]) -> int:
