@@ -344,13 +344,18 @@ def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) 
 def _equal_thermometer(
     columns: Sequence[ColumnGuess], roles: dict[str, Role], drive: ColumnGuess, out: ColumnGuess | None
 ) -> ColumnGuess | None:
-    """A thermometer that reads otherwise than that of the input, and whose name says as much of its place; not that of
-    a second group of columns, where the name of the output is written again, too.
+    """A thermometer that usually reads otherwise than that of the input, and whose name says as much of its place; not
+    that of a second group of columns, where the name of the output is written again, too.
     """
     if out is not None and any(c.name.startswith(f"{out.name} (2") for c in columns):
         return None
-    others = (c for c in columns if roles[c.name].role == "elsewhere")
-    return next((c for c in others if distance(c) == distance(drive)), None)
+    others = [c for c in columns if c.name in roles and distance(c) == distance(drive)]
+    moving = [c for c in others if roles[c.name].role in ("compare", "elsewhere")]
+    return next((c for c in moving if _differs(second_thermometer(c, drive))), None)
+
+
+def _differs(second: SecondThermometer | None) -> bool:
+    return second is not None and not (second.is_witness and second.is_at_one_place)
 
 
 def _further_strains(out: ColumnGuess, left: Sequence[ColumnGuess]) -> list[ColumnGuess]:
