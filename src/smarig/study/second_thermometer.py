@@ -39,7 +39,7 @@ class SecondThermometer:
 
     @property
     def is_at_one_place(self) -> bool:
-        """Whether it usually reads, in either direction, what another thermometer at the place of the input may read."""
+        """Whether it usually reads, in either direction, what another thermometer at that place may read."""
         return not (np.abs([self.heating, self.cooling]) > _ONE_PLACE_K).any()  # NaN counts as agreeing
 
     def difference(self, drive: ColumnGuess) -> str:

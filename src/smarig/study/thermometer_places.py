@@ -5,7 +5,7 @@ import re
 from smarig.study.column_guess import ColumnGuess
 
 _SPECIMEN = re.compile(
-    r"sample|specimen|probe|wire|draht|echantillon|muestra|campione|workpiece|proben|\bpv\b|^\s*t ?s\b",  # ISO 11357: T_s
+    r"sample|specimen|probe|wire|draht|echantillon|muestra|campione|workpiece|proben|\bpv\b|^t ?s\b",  # ISO 11357: T_s
     re.IGNORECASE,
 )
 _SURROUNDINGS = re.compile(
