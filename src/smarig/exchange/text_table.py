@@ -220,9 +220,9 @@ def missing_notes(
     """
     marks = count_marks(cells or {})
     texts = texts_of(columns, cells or {}, marks, texts)
-    told = {name: marks[name].total() for name in marks}
-    told |= {name: told.get(name, 0) + found.number for name, found in texts.items()}
-    empty = {name: int(np.isnan(c).sum()) - told.get(name, 0) for name, c in columns.items()}
+    counted = {name: marks[name].total() for name in marks}
+    counted |= {name: counted.get(name, 0) + found.number for name, found in texts.items()}
+    empty = {name: int(np.isnan(c).sum()) - counted.get(name, 0) for name, c in columns.items()}
     remarks = [name for name in texts if np.isnan(columns[name]).all()]  # need not be filled
     rows = next(iter(columns.values())).size
     return [

@@ -20,22 +20,22 @@ def axial_strain(strains: Sequence[ColumnGuess]) -> ColumnGuess:
     """The first strain that is along the load, as its name or its agreement with one that is named so says; the first
     one that is not across it where nothing says so.
     """
-    able = [c for c in strains if not _says(_ACROSS, c)] or list(strains)
-    along = next((c for c in able if _says(_ALONG, c)), able[0])
+    able = [c for c in strains if not _is_named(_ACROSS, c)] or list(strains)
+    along = next((c for c in able if _is_named(_ALONG, c)), able[0])
     return next(c for c in able if c is along or _agree(c, along))
 
 
 def other_strains(out: ColumnGuess, strains: Sequence[ColumnGuess]) -> list[ColumnGuess]:
     """The strains that differ from that of the output, where no name says which of them is along the load."""
-    able = [c for c in strains if not _says(_ACROSS, c)]
-    if any(_says(_ALONG, c) for c in able):
+    able = [c for c in strains if not _is_named(_ACROSS, c)]
+    if any(_is_named(_ALONG, c) for c in able):
         return []
     return [
         c for c in able if c is not out and dimension(c.unit) == dimension(out.unit) and not _agree(c, out)
     ]
 
 
-def _says(words: re.Pattern[str], c: ColumnGuess) -> bool:
+def _is_named(words: re.Pattern[str], c: ColumnGuess) -> bool:
     return words.search(re.sub(r"[_.:-]+", " ", f"{c.label} {c.facts.comment}")) is not None
 
 

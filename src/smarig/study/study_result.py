@@ -24,7 +24,7 @@ from smarig.identification import (
     error_verdict,
 )
 from smarig.study.baselines import BRANCHES
-from smarig.study.candidate_models import EXTENDED, Evaluation, noise_of_repeats
+from smarig.study.candidate_models import EXTENDED, Evaluation, noise_of_neighbours, noise_of_repeats
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, masked, mended, noisy_input, one_way, wrong_direction
 from smarig.study.function_of_input import FunctionOfInput
@@ -120,11 +120,15 @@ class StudyResult:
 
     @cached_property
     def noise(self) -> float | None:
-        """The noise of one reading: from repeated readings, else as the diagnosis estimates it; None if unknown."""
+        """The noise of one reading: from repeated readings, else as the diagnosis estimates it, else from neighbouring
+        readings; None if unknown.
+        """
         known = noise_of_repeats(self._held_out)
         if known is not None:
             return known
-        return self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
+        if isinstance(self.diagnosis, MeasuredDiagnosis):
+            return self.diagnosis.noise
+        return noise_of_neighbours(self.evaluation.best) if self.evaluation else None
 
     @property
     def gain(self) -> float:
