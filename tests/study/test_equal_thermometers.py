@@ -40,3 +40,29 @@ def test_a_name_that_says_more_answers_it(tmp_path, names):
 def test_thermometers_that_agree_are_no_question(tmp_path):
     (guess,) = understand([file_of(tmp_path, "T1 (degC),T2 (degC)", U + 0.4)], StudyOptions()).guesses
     assert guess.roles["T2 (degC)"].role == "compare"
+
+
+@pytest.mark.parametrize("lag", [3.5, 4.5, -4.0])
+@pytest.mark.parametrize("names", ["CH1 (degC),CH2 (degC)", "T2 (degC),T1 (degC)"])
+def test_a_lag_of_a_few_kelvin_is_a_question_too(tmp_path, names, lag):
+    second = U - lag * np.sign(np.gradient(U))
+    with pytest.raises(UnsureError) as question:
+        understand([file_of(tmp_path, names, second)], StudyOptions())
+    for name in names.split(","):
+        assert f"--input '{name}' --output 'Stroke (mm)'" in str(question.value)
+
+
+@pytest.mark.parametrize("differs", [0.0, 0.8, -1.3])
+def test_what_two_thermometers_at_one_place_may_differ_is_none(tmp_path, differs):
+    second = U + 1.0 - differs * np.sign(np.gradient(U))
+    (guess,) = understand([file_of(tmp_path, "CH1 (degC),CH2 (degC)", second)], StudyOptions()).guesses
+    assert guess.roles["CH2 (degC)"].role == "compare"
+
+
+@pytest.mark.parametrize(
+    "names", ["Ts (degC),Tr (degC)", "T_wire (degC),T2 (degC)", "TC1 (degC),T_air (degC)"]
+)
+def test_a_lag_between_named_places_is_none(tmp_path, names):
+    second = U - 4.0 * np.sign(np.gradient(U))
+    (guess,) = understand([file_of(tmp_path, names, second)], StudyOptions()).guesses
+    assert guess.first("input").name == names.split(",")[0]

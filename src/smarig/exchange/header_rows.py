@@ -15,6 +15,8 @@ from smarig.exchange.written_units import is_unit, is_units_row, without_markup
 
 HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
+_NUMBERS = re.compile(r"\d+")
+_KEY = re.compile(r"#[A-Z]\d*\s+(?=\S)")  # "#N 2" and "#L Field  Moment", where each line begins with its key
 # Between the names of columns, the rarest in a name first:
 _HEADER_SIGNS = (ALIGNED, ";", ",", r"\|", r"\s+")
 # Sig1 Time (min); # 2: Force [N]
@@ -42,11 +44,20 @@ def header_cells(
         if kinds[k] == "blank":
             continue
         line = lines[k] if lines else rows[k][0] if len(rows[k]) == 1 else ""
+        row, keyed = rows[k], bool(lines) and _is_keyed(lines, k)
+        if keyed:
+            line = _KEY.sub("", line)
+            row = line.split()
         signs = _HEADER_SIGNS if nearest else _HEADER_SIGNS[:1]
-        if words := _words(rows[k], line, width, signs, style):
+        if words := _words(row, line, width, signs, style) or (row if keyed and len(row) == width else None):
             found[k] = words
         nearest = nearest and is_units_row(found.get(k, rows[k]))
     return found
+
+
+def _is_keyed(lines: Sequence[str], k: int) -> bool:
+    """Whether a line of comment begins with its key, as the line above it does: "#T" alone may be a name."""
+    return k > 0 and all(_KEY.match(line) for line in lines[k - 1 : k + 1])
 
 
 def _words(
@@ -83,31 +94,57 @@ def header_rows(
     A row that names each column counts more than a nearer one that leaves columns out or calls several the same.
     """
     width = len(columns)
-    above: list[int] = []
-    for k in range(first - 1, max(first - 2 - HEADER_ROWS, -1), -1):
-        if kinds[k] == "data":
-            break
-        if kinds[k] == "text":
-            above.append(k)
-    wide = [k for k in above[:HEADER_ROWS] if _fills(rows[k], width) or is_units_row(rows[k])]
+    above = _rows_above(rows, kinds, first, width)
+    wide = [k for k in above if _fills(rows[k], width) or is_units_row(rows[k])]
     if not wide:
         return None, None
     for k, before in zip(wide, wide[1:]):
         near = all(kinds[i] == "blank" for i in range(before + 1, k))
         if near and is_units_row(rows[k]) and not is_units_row(rows[before]):
-            each = next((i for i in wide if i <= before and names_each(rows[i], width, style)), before)
+            full = [i for i in wide if i <= before and names_each(rows[i], width, style)]
+            each = _naming(rows, full) if full else before
             return (each if "blank" not in kinds[each:before] else before), k
     named = [k for k in wide if has_bracketed_units(rows[k])]
     if named and named[0] != wide[0] and not is_units_row(rows[wide[0]]):
         return named[0], None  # what stands below the names describes the channels
-    complete = [k for k in wide if names_each(rows[k], width, style) and "blank" not in kinds[k:first]]
-    if complete and not names_each(rows[wide[0]][:width], width, style):
+    complete = [k for k in wide if names_each(rows[k], width, style) and "blank" not in kinds[k : wide[0]]]
+    names = names_each(rows[wide[0]][:width], width, style)
+    if complete and (not names or (complete[0] == wide[0] != _naming(rows, complete))):
         units = [sum(map(bool, units_in(rows[k], columns))) for k in complete]
-        named = complete[1] if complete[1:] == [complete[0] - 1] and units[0] > units[1] else complete[0]
+        below = complete[1:] == [complete[0] - 1] and units[0] > units[1]
+        named = complete[1] if below else _naming(rows, complete)
         return named, named + 1 if any(units_in(rows[named + 1], columns)) else None
     if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
         return wide[1], wide[0]
     return wide[0], None
+
+
+def _rows_above(rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, width: int) -> list[int]:
+    """The nearest rows of text above the numbers, the nearest first; rows that are as wide as the table without a gap
+    are all its own, however many describe its channels.
+    """
+    above: list[int] = []
+    for k in range(first - 1, -1, -1):
+        own = bool(above) and above[-1] == k + 1 and len(rows[k]) == width == len(rows[k + 1])
+        if kinds[k] == "data" or (not own and k < first - 1 - HEADER_ROWS):
+            break
+        if kinds[k] == "text" and (own or len(above) < HEADER_ROWS):
+            above.append(k)
+    return above
+
+
+def _naming(rows: Sequence[Sequence[str]], complete: Sequence[int]) -> int:
+    """The row of names among those that have a word for each column, the nearest first: the first of them in the file
+    with most words if the nearest only numbers the columns, as "Channel 1", "Channel 2" beside a clock do.
+    """
+    nearest = rows[complete[0]]
+    numbers = _words_of(nearest) <= 2 < len(nearest)
+    return max(complete, key=lambda k: (_words_of(rows[k]), -k)) if numbers else complete[0]
+
+
+def _words_of(row: Sequence[str]) -> int:
+    """The number of different words in a row, whatever their numbers."""
+    return len({_NUMBERS.sub("", cell) for cell in row})
 
 
 def names_each(row: Sequence[str], width: int, style: NumberStyle) -> bool:

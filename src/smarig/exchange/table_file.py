@@ -18,6 +18,7 @@ from smarig.exchange import text_table
 from smarig.exchange.igor_text import is_igor_text
 from smarig.exchange.no_reading import is_mark, without_marks
 from smarig.exchange.number_blocks import numbers_of
+from smarig.exchange.text_cells import TextCells, texts_of
 from smarig.exchange.text_table import HEADER_WITHIN, Table, TableLayout
 
 BLOCK_BYTES = 1 << 20
@@ -63,19 +64,19 @@ def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
         notes = text_table.preamble_notes(head.preamble)
         most = _count_lines(file, head.offset)
         data, where = np.empty((len(head.names), most)), np.empty(most, dtype=np.int64)
-        filled, line = 0, head.line
+        filled, line, texts = 0, head.line, dict[str, TextCells]()
         for block in _whole_lines(file, head.offset):
             if not block.endswith(b"\n"):
                 block, dropped = _complete(block, head, line)
                 notes += dropped
-            columns, lines = _parsed(path, block, head, layout)
+            columns, lines, texts = _parsed(path, block, head, layout, texts)
             rows = slice(filled, filled + lines.size)
             data[:, rows], where[rows] = columns, lines + line
             filled, line = rows.stop, line + block.count(b"\n")
     found = dict(zip(head.names, data[:, :filled], strict=True))
     if filled < 2 or any(np.isinf(column).any() or _has_marks(column) for column in found.values()):
         raise _UnusualError
-    notes += text_table.missing_notes(found)
+    notes += text_table.missing_notes(found, texts=texts)
     return Table(found, where[:filled], text_table.preamble_keys(head.preamble), tuple(notes))
 
 
@@ -119,12 +120,12 @@ def _complete(block: bytes, head: _Head, line: int) -> tuple[bytes, list[str]]:
 
 
 def _parsed(
-    path: Path, block: bytes, head: _Head, layout: TableLayout
-) -> tuple[Sequence[Array] | Array, NDArray[np.int64]]:
-    """The columns of a block, and the numbers of their lines in it, from 0."""
+    path: Path, block: bytes, head: _Head, layout: TableLayout, texts: dict[str, TextCells]
+) -> tuple[Sequence[Array] | Array, NDArray[np.int64], dict[str, TextCells]]:
+    """The columns of a block, the numbers of their lines in it, from 0, and the texts in all blocks up to it."""
     numbers = numbers_of(block, len(head.names), head.delimiter, layout.decimal) if block else None
     if numbers is not None:
-        return numbers.T, np.arange(len(numbers))
+        return numbers.T, np.arange(len(numbers)), texts
     if not block.isascii() or _has_other_breaks(block) or min(block, default=_FIRST_TEXT) < _FIRST_TEXT:
         raise _UnusualError
     lines = block.decode("ascii").splitlines()
@@ -134,10 +135,10 @@ def _parsed(
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
     if any(is_mark(cell) for row in cells for cell in row):
         raise _UnusualError  # the marks are counted in the whole table
-    columns = [
-        layout.column(path, name, [row[k] for row in cells], where) for k, name in enumerate(head.names)
-    ]
-    return columns, np.array(where, dtype=np.int64) - 1
+    written = {name: [row[k] for row in cells] for k, name in enumerate(head.names)}
+    columns = {name: layout.column(path, name, column, where) for name, column in written.items()}
+    texts = texts_of(columns, written, {}, texts)
+    return [*columns.values()], np.array(where, dtype=np.int64) - 1, texts
 
 
 def _has_marks(column: Array) -> bool:

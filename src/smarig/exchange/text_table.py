@@ -24,6 +24,7 @@ from smarig.exchange.json_document import json_document
 from smarig.exchange.logged_rows import LoggedRows, logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
 from smarig.exchange.table_rows import cells, footer_start, split, without_interruptions
+from smarig.exchange.text_cells import TextCells, text_notes, texts_of
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
@@ -210,19 +211,28 @@ def incomplete_note(line: int) -> str:
 
 
 def missing_notes(
-    columns: Mapping[str, Array], cells: Mapping[str, Sequence[str]] | None = None
+    columns: Mapping[str, Array],
+    cells: Mapping[str, Sequence[str]] | None = None,
+    texts: Mapping[str, TextCells] | None = None,
 ) -> list[str]:
-    """Findings on cells without a number; ``cells`` as they are written, where marks may stand for no reading."""
+    """Findings on cells without a number; ``cells`` as they are written, where marks may stand for no reading; else
+    ``texts`` found in them, which are neither empty nor numbers.
+    """
     marks = count_marks(cells or {})
-    empty = {
-        name: int(np.isnan(c).sum()) - (marks[name].total() if name in marks else 0)
-        for name, c in columns.items()
-    }
+    texts = texts_of(columns, cells or {}, marks, texts)
+    counted = {name: marks[name].total() for name in marks}
+    counted |= {name: counted.get(name, 0) + found.number for name, found in texts.items()}
+    empty = {name: int(np.isnan(c).sum()) - counted.get(name, 0) for name, c in columns.items()}
+    remarks = [name for name in texts if np.isnan(columns[name]).all()]  # need not be filled
     rows = next(iter(columns.values())).size
-    return mark_notes(marks, rows) + [
-        f"Column {shown(name)}: {number} of {rows} cells are empty or NaN."
-        for name, number in empty.items()
-        if number > 0
+    return [
+        *mark_notes(marks, rows),
+        *text_notes(texts, rows),
+        *(
+            f"Column {shown(name)}: {number} of {rows} cells are empty or NaN."
+            for name, number in empty.items()
+            if number > 0 and name not in remarks
+        ),
     ]
 
 

@@ -27,6 +27,7 @@ _PLAIN: dict[str, tuple[str, float, float]] = {
     "mm/mm": ("ratio", 1.0, 0.0),
     "1": ("ratio", 1.0, 0.0),
     "%": ("ratio", 1e-2, 0.0),
+    "1e-3": ("ratio", 1e-3, 0.0),
     "ppm": ("ratio", 1e-6, 0.0),
     "bar": ("stress or pressure", 0.1, 0.0),
     "mbar": ("stress or pressure", 1e-4, 0.0),

@@ -90,6 +90,7 @@ _FOREIGN = {  # spellings of other programs and languages
     "mm/mm": "mm/mm",
     "m/m": "mm/mm",
     "in/in": "mm/mm",
+    "‰": "1e-3",
     "microstrain": "ppm",
     "µm/m": "ppm",
     "um/m": "ppm",
@@ -110,6 +111,8 @@ _FOREIGN = {  # spellings of other programs and languages
     "fahrenheit": "degF",
     "f": "degF",
 }
+_POWER_OF_TEN = re.compile(r"[*×x·]?\s*(?:10\s*\^?\s*\(?[-−⁻]|1[eE]-)0*([236²³⁶])\)?")  # *10^-3, 1E-06
+_RATIOS = {"2": "%", "3": "1e-3", "6": "ppm", "²": "%", "³": "1e-3", "⁶": "ppm"}
 _PER = re.compile(r"(.+)[_\s]per[_\s](.+)")  # kA_per_m
 _POWER = re.compile(r"(?:\^?[23]|[²³])$")
 _CASED = {"C": "degC", "F": "degF"}  # one letter that stands for a temperature beside a name of one only
@@ -122,6 +125,8 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
     ('s', 'MPa', 'C', 'degC', '')
     >>> known_unit("kV_per_cm"), known_unit("W per g"), known_unit("cycles_per_s")
     ('kV/cm', 'W/g', '')
+    >>> known_unit("*10^-3"), known_unit("x 1E-06"), known_unit("10⁻³"), known_unit("‰")
+    ('1e-3', 'ppm', '1e-3', '1e-3')
     """
     word = without_markup(text).strip().strip("[](){}<>").strip()
     if temperature and word in _CASED:
@@ -130,10 +135,12 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
         return ""
     if spelled(word) in UNITS:
         return spelled(word)
+    if match := _POWER_OF_TEN.fullmatch(word):
+        return _RATIOS[match[1]]
     if match := _PER.fullmatch(word):
         return _quotient(match[1], match[2])
     found = _FOREIGN.get(word.lower().replace("_", " "), "")
-    return "" if len(word) == 1 and word != '"' and word != "°" else found
+    return "" if len(word) == 1 and word not in ('"', "°", "‰") else found
 
 
 def _quotient(above: str, below: str) -> str:

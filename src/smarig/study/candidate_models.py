@@ -9,12 +9,14 @@ import numpy as np
 
 from smarig.core import DataError, UsageError
 from smarig.identification import (
+    GOOD_RATIO,
     RunVerification,
     identify,
     noise_floor,
     verify,
     without_dropouts,
 )
+from smarig.measurement import input_noise_sd, rounding_sd
 from smarig.record import load_run
 from smarig.replay import Model
 from smarig.study.baselines import BRANCHES, RunPoints, baseline_rms, baselines, points_of
@@ -66,6 +68,18 @@ def noise_of_repeats(runs: Sequence[RunVerification]) -> tuple[float, str] | Non
         return None
     repeats = any(f.source != "windows" for f in floors)
     return float(np.median([f.value for f in floors])), SCATTER_OF_REPEATS if repeats else NOISE_OF_A_READING
+
+
+def noise_of_neighbours(candidate: CandidateModel) -> float | None:
+    """The noise of a reading from neighbouring readings of the fitted runs, at least that of their rounding; None
+    unless the error on held-out data exceeds it: where rows are far apart, neighbours differ by more than noise.
+    """
+    found = []
+    for run in candidate.train:
+        y = compared_points(run).y
+        found += [max(input_noise_sd(y), rounding_sd(load_run(run.run)))] if y.size > 2 else []
+    noise = float(np.median(found)) if found else np.inf
+    return noise if candidate.rms > GOOD_RATIO * noise else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,7 +80,8 @@ class ColumnGuess:
 
     def corrected(self, unit: str) -> "ColumnGuess":
         """The guess with a unit that the user gave."""
-        by_unit = q.quantity_of_unit(unit)
+        strain = self.by_numbers and dimension(unit) == "ratio" and self.quantity == q.DISPLACEMENT
+        by_unit = q.STRAIN if strain else q.quantity_of_unit(unit)
         other = by_unit and dimension(unit) not in q.DIMENSIONS.get(self.quantity, ())
         reason = f"its unit {unit}" if self.quantity else ""  # without any, the loop still decides the roles
         meant = self
@@ -115,7 +116,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     """The quantity by name and unit."""
     label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
     written = written or (label if _is_part_of_second(label) else "")
-    whole = q.quantity_of_name(label)[0] == q.RATE  # dB/dt is no path
+    whole = q.is_quotient(label)  # dB/dt and dL/L0 are no paths
     parts = [label] if whole else label.split("/")[::-1]  # of a path, the last that says something
     quantities = [q.quantity_of_name(part) for part in parts if part]
     quantity, commanded = next(
@@ -388,5 +389,6 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
         case _:
             return guess
     if guess.unit_reason:  # the file states a unit, but an unknown one: an assumption would contradict it
-        reason, sure = f"{guess.unit_reason}; taken as {unit}", WEAK if sure > WEAK else NONE
+        by_range = guess.quantity in (q.TEMPERATURE, q.AMBIENT)
+        reason, sure = f"{guess.unit_reason}; taken as {unit}", WEAK if by_range else NONE
     return replace(guess, unit=unit, unit_reason=reason, unit_confidence=sure)

@@ -19,7 +19,7 @@ from smarig.study.column_guess import (
     like_temperature,
 )
 from smarig.study.physical_roles import RoleVote, role_vote
-from smarig.study.signal_columns import holds_still
+from smarig.study.signal_columns import holds_still, is_noise
 
 _LIKE_TEMPERATURE = 1.5  # votes: more than one fact of the loop, less than both
 _SURE = 1.0  # votes
@@ -72,7 +72,8 @@ def unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
     """
     others = [c for c in left if c.name not in (found.drive.name, found.out.name)]
     rivals = [c for c in others if c.by_numbers or not (c.is_named or found.out.is_named)]
-    rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
+    rivals = [c for c in rivals if c.quantity in ("", found.out.quantity)]
+    rivals = [c for c in rivals if not holds_still(c) and not is_noise(c)]
     rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
     if not rivals:
         return found

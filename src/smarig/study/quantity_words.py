@@ -20,6 +20,8 @@ HEAT_FLOW = "heat flow"
 CHARGE = "charge"
 LOADS = (STRESS, FORCE, FIELD)  # under which a wire is cycled, if they are held
 
+_OF_LENGTHS = r"(\bd|\bdelta|δ|∆) ?l ?/ ?l"  # ΔL/L0
+
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
     (
@@ -37,14 +39,14 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         INDEX,
         r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",
     ),
-    (TIME, r"^t$|^tout$|time|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
+    (TIME, r"^t$|^tout$|time|epoch|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
     (DUTY, r"pwm|duty|control input|tastgrad"),
     (
         TEMPERATURE,
         r"temp|thermo|pyro|celsius|^tc ?\d*$|^t ?\d+$|^t (wire|sample|probe|oven|heater|front|end)\b",
     ),
     (MODULUS, r"modulus|\b(speicher|verlust|schub|e|g)?modul\b"),
-    (STRAIN, r"strain|dehn|deform|\beps|elongation rel|stretch"),
+    (STRAIN, rf"strain|dehn|deform|\beps|elongation rel|stretch|\be(xx|yy|zz|xy|yz|xz)\b|{_OF_LENGTHS}"),
     (STRESS, r"stress|\bsigma|contrainte|(zug|druck)spannung|tension mech"),
     (MAGNETISATION, r"magneti[sz]ation|magnetisierung|aimantation"),
     (MOMENT, r"moment|^m$|^m [a-z]*$"),
@@ -119,11 +121,34 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     HEAT_FLOW: ("heat flow", "power"),
     CHARGE: ("charge",),
 }
+USUAL_UNITS = {  # by quantity, the most usual first
+    TIME: ("s", "ms", "min", "h"),
+    TEMPERATURE: ("degC", "K", "degF"),
+    STRAIN: ("%", "mm/mm", "1e-3", "ppm"),
+    DISPLACEMENT: ("mm", "um", "%", "V"),  # a column without a unit may be the voltage of a sensor
+    ANGLE: ("deg", "rad"),
+    FORCE: ("N", "mN", "kN"),
+    STRESS: ("MPa", "Pa", "GPa"),
+    CURRENT: ("A", "mA"),
+    VOLTAGE: ("V", "mV"),
+    RESISTANCE: ("ohm", "mohm", "kohm"),
+    POWER: ("W", "mW"),
+    FIELD: ("T", "mT", "Oe", "A/m"),
+    FLUX: ("T", "mT", "G"),
+    MOMENT: ("A m^2", "emu"),
+    MAGNETISATION: ("A/m", "emu/g"),
+    POLARISATION: ("uC/cm^2", "C/m^2"),
+    ELECTRIC_FIELD: ("kV/cm", "V/m"),
+    CHARGE: ("C", "uC", "Ah"),
+    DUTY: ("%", "1", "count"),
+}
 _OF_GASES = ("Torr", "mbar", "hPa", "atm", "bar")  # no stress of a solid is given in them
 _BRACKET = re.compile(r"[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*")
+_EMPTY_BRACKET = re.compile(r"\s*(\[\s*\]|\(\s*\)|<\s*>|\{\s*\})")
 _REMARK = re.compile(r"[^:]+:\s.*")  # "LGR S/N: 10224511" in a bracket is no unit
 _BRACKETED_NAME = re.compile(r"^\(([^()/]+)\)\s*/\s*(\S+)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
+_BEHIND_LAST_STROKE = re.compile(r"^(.+)\s*/\s*(\S+)$")  # dL/L0/%
 _PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?-1|⁻¹))")
 _INPUTS_ONLY = (TEMPERATURE, AMBIENT, CURRENT, VOLTAGE, POWER, DUTY)
 _WORD = re.compile(r"[^_\s]+")
@@ -142,9 +167,12 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     (('H', 'kA_per_m'), ('field E', 'kV_per_cm'))
     >>> name_and_unit("(Q-Qo)/mA.h"), name_and_unit("Kraft (Analog 1) [kN]"), name_and_unit("103 <Rwire> (OHM)")
     (('Q-Qo', 'mA.h'), ('Kraft (Analog 1)', 'kN'), ('103 Rwire', 'OHM'))
-    >>> name_and_unit("Temp, °C (LGR S/N: 10224511, LBL: bath)")
-    ('Temp', '°C')
+    >>> name_and_unit("Temp, °C (LGR S/N: 10224511, LBL: bath)"), name_and_unit("U2-1[]")
+    (('Temp', '°C'), ('U2-1', ''))
+    >>> name_and_unit("dL/Lo/*10^-3"), name_and_unit("dL/L0"), name_and_unit("ΔL/L0/%")
+    (('dL/Lo', '*10^-3'), ('dL/L0', ''), ('ΔL/L0', '%'))
     """
+    name = _EMPTY_BRACKET.sub("", name) or name
     if not written_unit and (match := _BRACKETED_NAME.match(name)) and known_unit(match[2]):
         return match[1], match[2]
     if stated := _in_brackets(name, written_unit):
@@ -161,6 +189,8 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
             if pattern is _LAST_WORD and match[2].lower() in ("t", "h", "m", "l", "f", "d", "g"):
                 continue
             return match[1], match[2]
+    if (match := _BEHIND_LAST_STROKE.match(name)) and _is_share(match[2]):
+        return match[1], match[2]
     return name, ""
 
 
@@ -196,6 +226,12 @@ def _is_stated(unit: str, pattern: re.Pattern[str]) -> bool:
     return known_unit(unit) != "" or all(known_unit(part) for part in parts)
 
 
+def _is_share(unit: str) -> bool:
+    """Whether a word is a unit of ratios, as % or *10^-3."""
+    known = known_unit(unit)
+    return known not in ("", "1") and dimension(known) == "ratio"
+
+
 def _with_quotient(name: str) -> tuple[str, str] | None:
     """The name without the unit at its end that is written with "per", and that unit."""
     for word in list(_WORD.finditer(name))[1:]:
@@ -211,11 +247,25 @@ def quantity_of_name(name: str) -> tuple[str, bool]:
     >>> quantity_of_name("Kraft"), quantity_of_name("T_soll"), quantity_of_name("spam")
     (('force', False), ('', True), ('', False))
     """
-    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss").replace("ε", "eps").replace("σ", "sigma"))
-    plain = "".join(c for c in plain if not unicodedata.combining(c)).lower()
-    plain = re.sub(r"[_\s.:-]+", " ", plain).strip()
+    plain = _plain(name)
     quantity = next((q for q, words in _WORDS if re.search(words, plain)), "")
     return quantity, bool(_COMMANDED.search(plain))
+
+
+def is_quotient(name: str) -> bool:
+    """Whether a name with a stroke is a quotient of two quantities, and no path.
+
+    >>> is_quotient("dB/dt"), is_quotient("ΔL/L0"), is_quotient("rig/temp")
+    (True, True, False)
+    """
+    return quantity_of_name(name)[0] == RATE or re.search(_OF_LENGTHS, _plain(name)) is not None
+
+
+def _plain(name: str) -> str:
+    """A name in small letters without accents, with one blank for each other sign between its words."""
+    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss").replace("ε", "eps").replace("σ", "sigma"))
+    plain = "".join(c for c in plain if not unicodedata.combining(c)).lower()
+    return re.sub(r"[_\s.:-]+", " ", plain).strip()
 
 
 def without_branch(label: str) -> str:

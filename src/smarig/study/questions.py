@@ -1,18 +1,47 @@
 """The question that a guess leaves open, with the options and commands that answer it."""
 
 import shlex
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice, product
+from pathlib import Path
 
 from smarig.core import shown
 from smarig.study import quantity_words as q
-from smarig.study.signal_columns import holds_still
+from smarig.study.column_guess import ColumnGuess
+from smarig.study.signal_columns import holds_still, is_noise
+from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess
 from smarig.study.typed_names import listed_names, typed_name
 
 _MOST_COMMANDS = 6  # that a question lists
+_ROLES = ("input", "output")
 
 
-def question(guess: TableGuess) -> str:
-    """What the user must say."""
+@dataclass(frozen=True)
+class StudyCommand:
+    """The command of a study as its user gave it; ``out`` None: a folder named as the file."""
+
+    files: tuple[Path, ...]
+    options: StudyOptions
+    out: Path | None = None
+
+    def with_answers(self, guess: TableGuess, answers: dict[str, str]) -> str:
+        """The command with further options: the columns by "input" and "output", the units by "unit NAME"."""
+        given = {role: name for role in _ROLES if (name := getattr(self.options, role)) is not None}
+        given |= {f"unit {name}": unit for name, unit in self.options.units.items()} | answers
+        words = ["smarig", "study", *map(str, self.files)]
+        for key, value in given.items():
+            name = key.removeprefix("unit ")
+            unit = f"{typed_name(guess.table, name)}={value}"
+            words += [f"--{key}", typed_name(guess.table, value)] if key in _ROLES else ["--unit", unit]
+        words += ["--split", self.options.split] if self.options.split != "auto" else []
+        words += [] if self.options.diagnose else ["--no-diagnosis"]
+        return shlex.join([*words, "-o", str(self.out or guess.table.path.stem)])
+
+
+def question(guess: TableGuess, command: StudyCommand) -> str:
+    """What the user must say, with commands that say it."""
     options = []
     for doubt in guess.doubts:
         if doubt.startswith("unit "):
@@ -28,23 +57,54 @@ def question(guess: TableGuess) -> str:
         what = f"in which unit {' and '.join(shown(name) for name in units)} {'are' if units[1:] else 'is'}"
     return (
         f"{guess.table.path}: it is not clear {what}. Say {' '.join(options)} (columns: {names}), "
-        f"or take the draft with --yes.{_commands(guess)}"
+        f"or take the draft with --yes.{answering(guess, command)}"
     )
 
 
-def _commands(guess: TableGuess) -> str:
-    """The commands that answer which columns are input and output, where few are possible; "" otherwise."""
-    drive, out = guess.first("input"), guess.first("output")
-    able = [c for c in guess.columns if c.facts.kind == "number" and c.facts.levels > 1]
-    able = [c for c in able if c.quantity not in q.NO_SIGNALS and not holds_still(c)]
-    if not {"input", "output"} & set(guess.doubts) or not 1 < len(able) <= _MOST_COMMANDS:
+def answering(guess: TableGuess, command: StudyCommand) -> str:
+    """The commands that answer which columns are input and output, else those that answer their units; "" if no
+    columns could be meant.
+    """
+    if [role for role in _ROLES if role in guess.doubts or guess.first(role) is None]:
+        return _listed(" Each of these commands answers it", guess, command, _roles(guess))
+    units = [doubt for doubt in guess.doubts if doubt.startswith("unit ")]
+    columns = [next(c for c in guess.columns if f"unit {c.name}" == doubt) for doubt in units]
+    usual = [q.USUAL_UNITS.get(c.quantity, (c.unit or "1",)) for c in columns]
+    answers = (dict(zip(units, chosen)) for chosen in product(*usual))
+    return _listed(" Each of these commands answers it", guess, command, answers)
+
+
+def other_columns(guess: TableGuess, command: StudyCommand) -> str:
+    """The commands with another output than the one of the guess, if the user named none; "" if there is none."""
+    out = guess.first("output")
+    if command.options.output is not None or command.options.mapping is not None or out is None:
         return ""
+    drive = guess.first("input")
+    others = [c.name for c in _able(guess) if c.name not in (drive and drive.name, out.name)]
+    answers = ({"input": drive.name, "output": name} for name in others if drive is not None)
+    return _listed(" If another column is the output, name it", guess, command, answers)
+
+
+def _roles(guess: TableGuess) -> Iterable[dict[str, str]]:
+    """Columns that could be input and output, those of the guess first."""
+    drive, out = guess.first("input"), guess.first("output")
+    able = sorted(_able(guess), key=lambda c: c not in (drive, out))
     inputs = able if "input" in guess.doubts or drive is None else [drive]
     outputs = able if "output" in guess.doubts or out is None else [out]
     if drive is not None and drive.is_named:  # the question is which column of this quantity
         inputs = [c for c in inputs if c.quantity == drive.quantity]
-    pairs = [(a, b) for a in inputs for b in outputs if a.name != b.name][:_MOST_COMMANDS]
-    names = [[shlex.quote(typed_name(guess.table, c.name)) for c in pair] for pair in pairs]
-    file, out = shlex.quote(str(guess.table.path)), shlex.quote(guess.table.path.stem)
-    commands = [f"smarig study {file} --input {a} --output {b} -o {out}" for a, b in names]
-    return f" Each of these commands answers it: {'; '.join(commands)}." if commands else ""
+    if out is not None and out.is_named and not guess.by_loop:
+        outputs = [c for c in outputs if c.quantity == out.quantity]
+    return ({"input": a.name, "output": b.name} for a in inputs for b in outputs if a.name != b.name)
+
+
+def _able(guess: TableGuess) -> Sequence[ColumnGuess]:
+    able = [c for c in guess.columns if c.facts.kind == "number" and c.facts.levels > 1]
+    able = [c for c in able if c.quantity not in q.NO_SIGNALS and not holds_still(c)]
+    follow = [c for c in able if not is_noise(c)]
+    return follow if len(follow) > 1 else able
+
+
+def _listed(words: str, guess: TableGuess, command: StudyCommand, answers: Iterable[dict[str, str]]) -> str:
+    commands = [command.with_answers(guess, answer) for answer in islice(answers, _MOST_COMMANDS)]
+    return f"{words}: {'; '.join(commands)}." if commands else ""

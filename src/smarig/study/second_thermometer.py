@@ -11,6 +11,7 @@ from smarig.study.column_guess import ColumnGuess
 from smarig.study.input_turns import wide_turns
 
 AGREE_K = 5.0  # two thermometers whose readings differ less show one temperature
+_ONE_PLACE_K = 3.0  # between two thermocouples at one place, each of class 1: within 1.5 K (IEC 60584-1)
 _JUMPS = 3.0  # times the largest step of another thermometer: such a reading jumps
 
 
@@ -35,6 +36,11 @@ class SecondThermometer:
         rows, apart, unusual = self.apart.size, int(self.apart.sum()), int(self.unusual.sum())
         agrees = 2 * apart < rows and not (np.abs(usual) >= AGREE_K).any()  # NaN counts as agreeing
         return agrees and 2 * unusual >= apart
+
+    @property
+    def is_at_one_place(self) -> bool:
+        """Whether it usually reads, in either direction, what another thermometer at that place may read."""
+        return not (np.abs([self.heating, self.cooling]) > _ONE_PLACE_K).any()  # NaN counts as agreeing
 
     def difference(self, drive: ColumnGuess) -> str:
         """How it differs from the input, in words."""

@@ -7,6 +7,7 @@ import numpy as np
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import UNSURE, ColumnGuess
 from smarig.study.physical_roles import leads
+from smarig.study.strain_columns import axial_strain
 from smarig.study.thermometer_places import distance
 
 _OUTPUTS = (
@@ -55,9 +56,11 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
     if named is not None:
         return next((c for c in left if c.name == named), None)
     able = [c for c in left if c.name != not_this and not holds_still(c)]
-    able = [c for c in able if c.quantity != q.FORCE or not _differs_from_row_to_row(c.facts.known)] or able
-    if not able:
-        return None
+    follow = [c for c in able if not is_noise(c)]  # noise follows no input, whatever its name
+    return _output_among(follow) or _output_among(able)
+
+
+def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     hot = any(c.quantity == q.TEMPERATURE for c in able)
     stated = [c for c in able if c.quantity in _OUTPUTS and not c.by_numbers]
     able = stated or able  # what a name or a unit says counts more than what numbers look like
@@ -66,7 +69,8 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
         if quantity == q.STRESS and any(c.quantity == q.FORCE for c in able) and not hot:
             continue
         if found:
-            return max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
+            best = max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
+            return axial_strain([best, *found]) if quantity == q.STRAIN else best
     return _output_with_charge(able) or _read_voltage(able)
 
 
@@ -99,6 +103,11 @@ def input_column(
         return next((c for c in left if c.name == named), None)
     able = [c for c in left if c is not out and not holds_still(c)]
     order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
+    swept = [c for c in able if not is_noise(c) and (not c.facts.constant or c.quantity == q.TEMPERATURE)]
+    return _input_among(swept, order) or _input_among(able, order)
+
+
+def _input_among(able: Sequence[ColumnGuess], order: Sequence[str]) -> ColumnGuess | None:
     currents = [c for c in able if c.quantity == q.CURRENT]
     if any(is_grid(c) for c in currents):
         order = (q.CURRENT, *order)
@@ -123,17 +132,18 @@ def holds_still(c: ColumnGuess) -> bool:
     """
     mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
     if c.quantity == q.STRESS:
-        noise = _differs_from_row_to_row(c.facts.known) and mean > 3 * float(np.std(c.facts.known))
+        noise = is_noise(c) and mean > 3 * float(np.std(c.facts.known))
         return spread <= _STRESS_SHARE * mean or noise
     if c.quantity == q.FORCE:
         return c.unit != "count" and spread <= _FORCE_SHARE * mean
     if c.quantity == q.FIELD:
-        return c.facts.constant or _differs_from_row_to_row(c.facts.known)
+        return c.facts.constant or is_noise(c)
     if c.quantity == q.TEMPERATURE:
         return c.facts.span < _HELD_K
     return c.facts.levels <= 1
 
 
-def _differs_from_row_to_row(x: np.ndarray) -> bool:
-    """Whether values are noise: each differs from the next as from any other."""
+def is_noise(c: ColumnGuess) -> bool:
+    """Whether the motion of a column is its scatter: each value differs from the next as from any other."""
+    x = c.facts.known
     return bool(x.size > 10 and np.std(np.diff(x)) > np.std(x))

@@ -28,6 +28,7 @@ from smarig.study.imported_runs import ImportedTable, file_title, import_tables
 from smarig.study.mapping_draft import mapping_draft
 from smarig.study.named_lag import named_lag
 from smarig.study.plane_model import refuse_plane_tables
+from smarig.study.questions import StudyCommand, other_columns
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.study_page import study_page
@@ -67,7 +68,7 @@ def study(
         progress("reading")
         refuse_plane_tables(paths, folder, name, options.units)
         try:
-            understood = understand(paths, options, ask)
+            understood = understand(paths, options, ask, out=folder)
         except UnsureError as error:
             raise UsageError(f"{error} {_saved(mapping_draft(error.guess, name), folder)}") from None
         tables, left_out = import_tables(understood.guesses, folder, options.mapping, name)
@@ -77,7 +78,11 @@ def study(
     diagnosis, why_not, without_cause, undetermined, function = None, "", None, None, None
     if found is None and any(table.run.has("position") for table in tables):
         split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
-        evaluation = evaluate(split, progress)
+        try:
+            evaluation = evaluate(split, progress)
+        except DataError as error:
+            command = StudyCommand(paths, options, folder)
+            raise DataError(f"{error}{other_columns(understood.guesses[0], command)}") from None
         undetermined = undetermined_states(split, evaluation.plain)
         function = function_of_input(evaluation.best, split)
         diagnosis, why_not = (

@@ -29,6 +29,7 @@ from smarig.study.candidate_models import (
     NOISE_OF_A_READING,
     PROPORTIONAL_PART,
     Evaluation,
+    noise_of_neighbours,
     noise_of_repeats,
 )
 from smarig.study.data_split import DataSplit
@@ -128,12 +129,15 @@ class StudyResult:
 
     @cached_property
     def _noise(self) -> tuple[float | None, str]:
-        """The noise by which errors are judged, and its name: of repeats, else as the diagnosis estimates it."""
+        """The noise by which errors are judged, and its name: of repeats, else as the diagnosis estimates it, else from
+        neighbouring readings.
+        """
         known = noise_of_repeats(self._held_out)
         if known is not None:
             return known
-        estimate = self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
-        return estimate, NOISE_OF_A_READING
+        if isinstance(self.diagnosis, MeasuredDiagnosis):
+            return self.diagnosis.noise, NOISE_OF_A_READING
+        return noise_of_neighbours(self.evaluation.best) if self.evaluation else None, NOISE_OF_A_READING
 
     @property
     def noise(self) -> float | None:

@@ -27,7 +27,8 @@ from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
-from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
+from smarig.study.signal_columns import holds_still, input_column, is_grid, is_noise, output_column
+from smarig.study.strain_columns import other_strains
 from smarig.study.thermometer_places import distance
 from smarig.study.typed_names import typed_name
 
@@ -186,6 +187,10 @@ def guess_table(
     ):
         names = f"{shown(drive.name)} and {shown(tie.name)}"
         roles[drive.name] = Role("input", f"no name says which of {names} is at the specimen", UNSURE / 2)
+    again = drive is not None and any(c.name.startswith(f"{drive.name} (2") for c in columns)
+    if out is not None and output is None and not again and (others := _further_strains(out, left)):
+        names = ", ".join(shown(c.name) for c in (out, *others))
+        roles[out.name] = Role("output", f"no name says which of {names} is along the load", UNSURE / 2)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
@@ -213,7 +218,7 @@ def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | 
     """
     field = q.FIELD if drive.quantity == q.CURRENT else ""
     rest = [c for c in left if c is not drive and c.quantity in (field, "", drive.quantity)]
-    return min(rest, key=lambda c: c.quantity != field, default=None)
+    return min(rest, key=lambda c: (is_noise(c), c.quantity != field), default=None)
 
 
 def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
@@ -294,17 +299,18 @@ def _further_roles(
             drive is not None and (second := second_thermometer(c, drive)) is not None and not holds_still(c)
         ):
             roles[c.name] = _second_role(second, c, drive)
-        elif (
-            holds_still(c)
-            and c.quantity in q.LOADS
-            and c.quantity_confidence >= WEAK
-            and _new(c, columns, roles)
-        ):
+        elif _is_held_load(c) and _new(c, columns, roles):
             roles[c.name] = Role(
                 "condition", f"{c.quantity}, nearly constant: {c.quantity_reason}", c.quantity_confidence
             )
         else:
             roles[c.name] = Role("ignored", _unused(c, out), LIKELY)
+
+
+def _is_held_load(c: ColumnGuess) -> bool:
+    """Whether a column is a load that was held; in a unit that is not known, nobody knows what it is."""
+    sure = c.quantity_confidence >= WEAK and c.unit_confidence >= WEAK
+    return sure and c.quantity in q.LOADS and holds_still(c)
 
 
 def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role]) -> bool:
@@ -314,7 +320,7 @@ def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role])
         return False
     if c.quantity == q.FIELD:
         return True
-    stress = next((g for g in columns if g.quantity == q.STRESS and holds_still(g)), None)
+    stress = next((g for g in columns if g.quantity == q.STRESS and _is_held_load(g)), None)
     return c.quantity == q.STRESS or stress is None
 
 
@@ -338,26 +344,39 @@ def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) 
 def _equal_thermometer(
     columns: Sequence[ColumnGuess], roles: dict[str, Role], drive: ColumnGuess, out: ColumnGuess | None
 ) -> ColumnGuess | None:
-    """A thermometer that reads otherwise than that of the input, and whose name says as much of its place; not that of
-    a second group of columns, where the name of the output is written again, too.
+    """A thermometer that usually reads otherwise than that of the input, and whose name says as much of its place; not
+    that of a second group of columns, where the name of the output is written again, too.
     """
     if out is not None and any(c.name.startswith(f"{out.name} (2") for c in columns):
         return None
-    others = (c for c in columns if roles[c.name].role == "elsewhere")
-    return next((c for c in others if distance(c) == distance(drive)), None)
+    others = [c for c in columns if c.name in roles and distance(c) == distance(drive)]
+    moving = [c for c in others if roles[c.name].role in ("compare", "elsewhere")]
+    return next((c for c in moving if _differs(second_thermometer(c, drive))), None)
+
+
+def _differs(second: SecondThermometer | None) -> bool:
+    return second is not None and not (second.is_witness and second.is_at_one_place)
+
+
+def _further_strains(out: ColumnGuess, left: Sequence[ColumnGuess]) -> list[ColumnGuess]:
+    """Strains that differ from the output, known as well as it is, and may be the one along the load."""
+    strains = [c for c in left if c.quantity == out.quantity == q.STRAIN and c.by_numbers == out.by_numbers]
+    return other_strains(out, [c for c in strains if not holds_still(c) and not is_noise(c)])
 
 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
     if c.quantity in q.NO_SIGNALS[1:]:
         return f"{c.quantity}: {c.quantity_reason}"
-    if c.quantity == q.TIME:
+    if c.quantity == q.TIME and c.facts.levels > 1:
         return "another time" if c.facts.rising else "a time that runs backwards, so it is no clock"
-    if out is not None and c.quantity == out.quantity:
+    if out is not None and c.quantity == out.quantity and not is_noise(c):
         return f"another {c.quantity} than the output {shown(out.name)}"
     if c.commanded and c.quantity == q.TEMPERATURE:
         return "a set-point: it was not measured"
     if c.facts.constant:
         return f"nearly constant at {np.mean(c.facts.known):.4g}"
+    if is_noise(c):
+        return "it differs from row to row, as noise does"
     return f"{c.quantity}, not needed" if c.quantity else "its meaning is not clear, and it is not needed"
 
 

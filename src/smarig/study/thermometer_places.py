@@ -5,7 +5,8 @@ import re
 from smarig.study.column_guess import ColumnGuess
 
 _SPECIMEN = re.compile(
-    r"sample|specimen|probe|wire|draht|echantillon|muestra|campione|workpiece|proben|\bpv\b", re.IGNORECASE
+    r"sample|specimen|probe|wire|draht|echantillon|muestra|campione|workpiece|proben|\bpv\b|^t ?s\b",  # ISO 11357: T_s
+    re.IGNORECASE,
 )
 _SURROUNDINGS = re.compile(
     r"oven|ofen|furnace|four\b|forno|horno|chamber|kammer|air|luft|bath|(?<![a-z])bad|heater|heiz|"

@@ -12,7 +12,7 @@ from smarig.study.column_guess import ColumnGuess, is_rate_of_output
 from smarig.study.column_pairs import tables_of_pairs
 from smarig.study.held_loads import tables_of_loads
 from smarig.study.joined_blocks import joined_blocks
-from smarig.study.questions import question
+from smarig.study.questions import StudyCommand, answering, question
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
 from smarig.study.typed_names import listed_names, own_name, typed_name
@@ -35,10 +35,13 @@ class Understanding:
         return self.guesses[0].table.format == _FORC
 
 
-def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = None) -> Understanding:
+def understand(
+    files: Sequence[Path], options: StudyOptions, ask: Ask | None = None, *, out: Path | None = None
+) -> Understanding:
     """The meaning of the tables of these files.
 
-    ``ask`` puts a question to the user, None where nobody answers. Raises UsageError if a guess is not sure, nobody
+    ``ask`` puts a question to the user, None where nobody answers; ``out`` is the folder that the commands which answer
+    it name. Raises UsageError if a guess is not sure, nobody
     answers and the options do not accept it; DataError if no file holds a table.
     """
     tables, left_out = _tables(files)
@@ -52,7 +55,7 @@ def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = N
     lead = guess_table(
         max(tables, key=len), input=options.input, output=options.output, units=options.units, files=names
     )
-    lead, options, questions = _answered(lead, options, ask, names)
+    lead, options, questions = _answered(lead, StudyCommand(tuple(files), options, out), ask, names)
     return Understanding(tuple(_guesses(tables, lead, options, names)), left_out, questions)
 
 
@@ -143,10 +146,10 @@ def _with_columns(table: FoundTable, names: set[str]) -> FoundTable:
 
 
 def _answered(
-    guess: TableGuess, options: StudyOptions, ask: Ask | None, files: Sequence[str]
+    guess: TableGuess, command: StudyCommand, ask: Ask | None, files: Sequence[str]
 ) -> tuple[TableGuess, StudyOptions, int]:
     """The guess after the user has answered what is not clear, the options with the answers, and their number."""
-    count = 0
+    count, options = 0, command.options
     if guess.table.format == _FORC or options.mapping is not None:
         return guess, options, 0  # these data, or the given mapping, say it themselves
     _check_no_rate(guess, options)
@@ -165,16 +168,18 @@ def _answered(
         if count > 3 * len(guess.columns):
             break
     if guess.doubts and not options.accept:
-        raise UnsureError(question(guess), guess)
+        raise UnsureError(question(guess, command), guess)
     if guess.first("input") is None:
         raise UnsureError(
-            f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
+            f"{guess.table.path}: no column looks like an input. Name one with --input NAME."
+            f"{answering(guess, command)}",
+            guess,
         )
     if guess.first("output") is None and not guess.heating_only:
         names = listed_names(guess.table)
         raise UnsureError(
             f"{guess.table.path}: no column looks like an output (columns: {names}). Name input and output with "
-            "--input NAME --output NAME.",
+            f"--input NAME --output NAME.{answering(guess, command)}",
             guess,
         )
     return guess, replace(options, **given, units=units), count

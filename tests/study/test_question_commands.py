@@ -1,0 +1,90 @@
+"""Each question comes with commands that answer it as they are printed: with the files, options and folder given."""
+
+import shlex
+
+import numpy as np
+import pytest
+
+from smarig.cli import run
+from smarig.core import DataError
+from smarig.study import study
+from smarig.study.study_options import StudyOptions
+from smarig.study.understanding import UnsureError, understand
+
+K = np.arange(300)
+U = 70 - 50 * np.cos(K / 25)
+Y = np.tanh((np.roll(U, 3) - 70) / 9)
+
+
+def file_of(tmp_path, columns, name="wire.csv"):
+    path = tmp_path / name
+    rows = (",".join(f"{x:.5g}" for x in row) for row in zip(*columns.values()))
+    path.write_text("\n".join([",".join(columns), *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+def commands_in(error):
+    text = str(error.value)
+    assert ": smarig study " in text, text
+    return [f"smarig study {part}".rstrip(".") for part in text.split("smarig study ")[1:]]
+
+
+TABLES = {
+    "a unit": {"t (s)": K, "T (degC)": U, "Foo bar": Y},
+    "units of both": {"u [foo]": U, "y [bar]": Y},
+    "no names": {"A1": U, "B1": Y, "C1": 0.5 * Y + 1e-4 * U**2},
+    "two thermometers": {"t (s)": K, "T1 (degC)": U, "T2 (degC)": 25 + 0.5 * U, "x (mm)": Y},
+    "noise": {"t (s)": K, "T (degC)": U, "Foo bar": K % 7},
+    "many": {"t (s)": K, "T (degC)": U} | {f"S{k}": Y * (k + 1) + np.sin(K / 9) * k for k in range(9)},
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_each_command_answers_or_leads_to_one_that_does(tmp_path, name):
+    path = file_of(tmp_path, TABLES[name])
+    waiting, asked = [StudyOptions(split="time")], 0
+    while waiting and asked < 40:
+        options, asked = waiting.pop(), asked + 1
+        try:
+            understand([path], options, out=tmp_path / "my out")
+        except UnsureError:
+            with pytest.raises(UnsureError) as error:
+                understand([path], options, out=tmp_path / "my out")
+            for command in commands_in(error):
+                words = shlex.split(command.split("; ")[0])
+                assert words[2] == str(path)
+                assert words[words.index("-o") + 1] == str(tmp_path / "my out")
+                assert words[words.index("--split") + 1] == "time"
+                given = options_of(words)
+                assert given != options
+                waiting.append(given)
+    assert asked > 1
+    assert not waiting or name == "many"
+
+
+def options_of(words):
+    values = dict(zip(words, words[1:]))
+    units = [words[k + 1].rsplit("=", 1) for k, word in enumerate(words) if word == "--unit"]
+    return StudyOptions(
+        split="time", input=values.get("--input"), output=values.get("--output"), units=dict(units)
+    )
+
+
+def test_a_printed_command_works(tmp_path, capsys):
+    path = file_of(tmp_path, {"t (s)": K, "T1 (degC)": U, "T2 (degC)": 25 + 0.5 * U, "x": Y})
+    assert run(["study", str(path), "--no-diagnosis", "-o", str(tmp_path / "a b")]) == 2
+    command = capsys.readouterr().err.split("answers it: ")[1].split("; ")[0]
+    assert run(shlex.split(command)[1:]) == 0
+    assert (tmp_path / "a b" / "index.html").is_file()
+
+
+def test_an_output_that_does_not_follow_is_refused_with_the_others(tmp_path):
+    drift = 0.001 * K + np.cos(K / 4.3)  # moves, but not with the input
+    path = file_of(tmp_path, {"t (s)": K, "T (degC)": U, "Stroke (mm)": drift, "R (ohm)": 2 + 0.1 * Y})
+    with pytest.raises(DataError) as error:
+        study([path], tmp_path / "out", StudyOptions(diagnose=False))
+    (command,) = commands_in(error)
+    assert shlex.split(command)[3:7] == ["--input", "T (degC)", "--output", "R (ohm)"]
+    with pytest.raises(DataError) as stated:
+        study([path], tmp_path / "out", StudyOptions(diagnose=False, output="Stroke (mm)"))
+    assert "smarig study" not in str(stated.value)
