@@ -122,6 +122,34 @@ def test_the_trend_of_a_wire_follows_the_start_of_its_runs():
     assert transformation_temperatures(others).history == {}
 
 
+def loaded(loads, *, unit="N", stress=None):
+    runs = []
+    for k, load in enumerate(loads):
+        conditions = {"load": {"mean": load, "min": load, "max": load, "unit": unit}}
+        if stress is not None:
+            conditions |= {"stress": {"mean": stress * load, "unit": "MPa"}}
+        u, y = cycle(shift=1.6 * load, noise=0.002, seed=k)
+        runs.append(run_of(u, y, name=f"at_{load}", conditions=conditions))
+    return transformation_temperatures(runs)
+
+
+def test_without_a_stress_the_temperatures_are_a_line_over_the_load():
+    found = loaded((0.5, 5.0, 10.0))
+    assert found.stress == ()
+    assert [s.temperature for s in found.load] == ["A_s", "A_f", "M_s", "M_f"]
+    for slope in found.load:
+        assert slope.K_per_unit == pytest.approx(1.6, abs=0.05)
+        assert slope.ci95[0] < 1.6 < slope.ci95[1]
+        assert (slope.unit, slope.load_range, slope.n) == ("N", (0.5, 10.0), 3)
+        assert slope.is_determined
+    assert "A_s: 1.6" in str(found)
+
+
+@pytest.mark.parametrize("runs", [loaded((5.0, 10.0), stress=20.0), loaded((5.0, 5.05))])
+def test_a_stress_that_is_known_or_one_load_gives_no_line_over_the_load(runs):
+    assert runs.load == ()
+
+
 @pytest.mark.parametrize(("loads", "drifts"), [((5.0, 5.1, 5.0), True), ((5.0, 10.0, 15.0), False)])
 def test_runs_at_different_loads_have_no_common_drift(loads, drifts):
     """Of wires whose cross section is not known: a load moves the temperatures as a stress does."""

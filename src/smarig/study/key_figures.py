@@ -29,8 +29,7 @@ def _rows(result: StudyResult, run: Run) -> Iterator[Row]:
     found = result.transformation.of(run) if result.transformation else None
     if found is not None:
         yield from _temperatures(found)
-    if result.transformation is not None and result.transformation.slopes:
-        yield from _slopes(result)
+    yield from _slopes(result)
     if result.evaluation is None:
         return
     unit = result.unit
@@ -67,11 +66,15 @@ def _drift_text(found: RunFigures, name: str) -> str:
 
 
 def _slopes(result: StudyResult) -> Iterator[Row]:
-    """Clausius–Clapeyron: the stress that moves A_s and M_s by 1 K."""
+    """Clausius–Clapeyron: the stress that moves A_s and M_s by 1 K; without a stress, their slope over the load."""
     for name, MPa_per_K, (low, high) in result.transformation.slopes if result.transformation else ():
         if name in ("A_s", "M_s") and low is not None and high is not None:
             label = tag("span", figure_name(name), " rises 1 K per")
             yield label, f"{number(MPa_per_K)} MPa", f"{number(low)} to {number(high)}"
+    for s in result.transformation.load_slopes if result.transformation else ():
+        if s.temperature in ("A_s", "M_s"):
+            label = tag("span", figure_name(s.temperature), f" rises per {s.unit} of load")
+            yield label, f"{number(s.K_per_unit)} K", f"{number(s.ci95[0])} to {number(s.ci95[1])}"
 
 
 def _value(value: float, unit: str, digits: int = 3) -> str:

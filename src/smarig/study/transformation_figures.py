@@ -10,6 +10,7 @@ from smarig.record import Run
 from smarig.study.named_lag import lag_sentence, without_lag
 from smarig.transformation import (
     TEMPERATURES,
+    LoadSlope,
     RunFigures,
     TransformationResult,
     transformation_temperatures,
@@ -44,6 +45,11 @@ class Transformation:
             (s.temperature, s.C_MPa_per_K, s.C_ci95_MPa_per_K) for s in found if s.C_MPa_per_K is not None
         ]
 
+    @property
+    def load_slopes(self) -> list[LoadSlope]:
+        """The slopes over the load where no stress is known and the runs determine them."""
+        return [s for s in self.result.load if s.is_determined] if self.result else []
+
     def of(self, run: Run | None) -> RunFigures | None:
         """The figures of a run, None if it has no full loop."""
         own = self.result.runs if self.result else ()
@@ -63,6 +69,11 @@ class Transformation:
             f"{name} rises by 1 K per {value:.3g} MPa ({low:.3g} to {high:.3g})."
             for name, value, (low, high) in self.slopes
             if low is not None and high is not None
+        ]
+        found += [
+            f"{s.temperature} rises by {s.K_per_unit:.3g} K per {s.unit} of load ({low:.3g} to {high:.3g})."
+            for s in self.load_slopes
+            for low, high in (s.ci95,)
         ]
         return found or [f"No transformation temperatures: {next(iter(self.left_out.values()))}"]
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from smarig.transformation.heat_flow_peak import heat_flow_peak as heat_flow_peak
     from smarig.transformation.run_figures import RunFigures as RunFigures
     from smarig.transformation.run_figures import run_figures as run_figures
+    from smarig.transformation.stress_dependence import LoadSlope as LoadSlope
     from smarig.transformation.stress_dependence import StressSlope as StressSlope
     from smarig.transformation.tangent_ranges import stated_ranges as stated_ranges
     from smarig.transformation.transformation_temperatures import (

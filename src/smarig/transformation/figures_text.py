@@ -7,7 +7,7 @@ from smarig.identification import Estimate
 from smarig.transformation.chosen_cycles import cycles_text
 from smarig.transformation.cycle_figures import FIGURES, TEMPERATURES
 from smarig.transformation.run_figures import RunFigures
-from smarig.transformation.stress_dependence import StressSlope
+from smarig.transformation.stress_dependence import LoadSlope, StressSlope
 
 NAMES = {
     "heating_transformation": "transformation, heating",
@@ -20,7 +20,10 @@ _MOST_UNUSED = 5
 
 
 def result_text(
-    runs: Sequence[RunFigures], stress: Sequence[StressSlope], history: Mapping[str, Estimate]
+    runs: Sequence[RunFigures],
+    stress: Sequence[StressSlope],
+    load: Sequence[LoadSlope],
+    history: Mapping[str, Estimate],
 ) -> str:
     """The whole result."""
     lines = [line for run in runs for line in _run_lines(run)]
@@ -30,6 +33,8 @@ def result_text(
             "Stress dependence (Clausius–Clapeyron coefficient C = dσ/dT):",
             *map(_stress_line, stress),
         ]
+    if load:
+        lines += ["", "Load dependence (no stress is known):", *map(_load_line, load)]
     if history:
         lines += ["", "Drift over the cycles of all runs, in order of their start:", *_drift_lines(history)]
     return "\n".join(lines)
@@ -88,6 +93,12 @@ def _stress_line(s: StressSlope) -> str:
         return f"  {s.temperature}: C not determined: the interval of its inverse contains 0. {slope}; {span}"
     least, most = s.C_ci95_MPa_per_K
     return f"  {s.temperature}: C = {s.C_MPa_per_K:.3g} MPa/K ({least:.3g} to {most:.3g}). {slope}; {span}"
+
+
+def _load_line(s: LoadSlope) -> str:
+    low, high = s.ci95
+    span = f"{s.load_range[0]:.4g} to {s.load_range[1]:.4g} {s.unit}, n = {s.n}"
+    return f"  {s.temperature}: {s.K_per_unit:.3g} K/{s.unit} ({low:.3g} to {high:.3g}); {span}"
 
 
 def _drift_lines(drift: Mapping[str, Estimate]) -> Iterator[str]:

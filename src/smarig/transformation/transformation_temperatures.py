@@ -13,7 +13,12 @@ from smarig.transformation.cycle_figures import DIFFERENCES, FIGURES, TEMPERATUR
 from smarig.transformation.figures_json import run_json
 from smarig.transformation.figures_text import result_text
 from smarig.transformation.run_figures import RunFigures, run_figures
-from smarig.transformation.stress_dependence import StressSlope, stress_dependence
+from smarig.transformation.stress_dependence import (
+    LoadSlope,
+    StressSlope,
+    load_dependence,
+    stress_dependence,
+)
 from smarig.transformation.tangent_ranges import stated_ranges
 
 _SAME_STRESS = 0.1  # of the larger: runs within it were made at one stress
@@ -24,12 +29,13 @@ class TransformationResult(NotebookDisplay):
     """The result of ``transformation_temperatures``.
 
     ``runs`` in order of their start, where it is known. ``stress`` has a slope for each temperature if the runs were
-    made at different stresses. ``history`` is the drift per cycle over all cycles of several runs of one wire at one
-    stress, by figure.
+    made at different stresses, ``load`` if at different loads and no stress is known. ``history`` is the drift per
+    cycle over all cycles of several runs of one wire at one stress, by figure.
     """
 
     runs: tuple[RunFigures, ...]
     stress: tuple[StressSlope, ...]
+    load: tuple[LoadSlope, ...]
     history: dict[str, Estimate]
 
     def to_json(self) -> dict[str, Any]:
@@ -37,12 +43,13 @@ class TransformationResult(NotebookDisplay):
         return {
             "runs": [run_json(r) for r in self.runs],
             "stress": [s.to_json() for s in self.stress],
+            "load": [s.to_json() for s in self.load],
             "history": {name: e.to_json() for name, e in self.history.items()},
             "ranges": stated_ranges(),
         }
 
     def __str__(self) -> str:
-        return result_text(self.runs, self.stress, self.history)
+        return result_text(self.runs, self.stress, self.load, self.history)
 
 
 def transformation_temperatures(
@@ -61,7 +68,9 @@ def transformation_temperatures(
     found = [run_figures(r if isinstance(r, Run) else load_run(r)) for r in given]
     if all(r.start_epoch is not None for r in found):
         found.sort(key=lambda r: r.start_epoch or 0.0)
-    return TransformationResult(tuple(found), stress_dependence(found), _history(found))
+    return TransformationResult(
+        tuple(found), stress_dependence(found), load_dependence(found), _history(found)
+    )
 
 
 def _history(runs: Sequence[RunFigures]) -> dict[str, Estimate]:
