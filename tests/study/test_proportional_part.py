@@ -57,6 +57,7 @@ def test_the_model_gets_it_and_predicts_better(tmp_path, stroke, slope, output, 
     said = result.sentences()[0]
     assert "A part of the output is proportional to the input, about" in said
     assert words in said
+    assert not any("goes back" in reason for reason in result.reasons)  # the model does so, too
     (fitted,) = load_model(tmp_path / "out" / STUDY_MODEL).measurement["amplitudes"]
     assert fitted == pytest.approx(slope, rel=0.35)  # a steeper one is balanced by more of the measure
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from smarig.core import UsageError, capitalised, spaced
 from smarig.record import Run
-from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag
+from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag, with_subscripts
 from smarig.report.components.numbers import interval_text, number, signed, to_uncertainty
 from smarig.report.components.run_description import display_unit
 from smarig.transformation import (
@@ -128,5 +128,8 @@ def branches_text(run: RunFigures) -> Html:
     unit = display_unit(run.record.input_unit)
     items = [*run.notes, *(f"Not used: {u.sentence(unit)}" for u in run.unused)]
     return joined(
-        [paragraph(f"{run.name}: {used} branches of {len(run.cycles)} cycles are used."), bullets(items)]
+        [
+            paragraph(f"{run.name}: {used} branches of {len(run.cycles)} cycles are used."),
+            bullets(map(with_subscripts, items)),
+        ]
     )
