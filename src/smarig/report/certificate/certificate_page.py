@@ -1,6 +1,5 @@
 """The page of a certificate: verdict, hypotheses, k_e of each controller, μ and ψ, limits and provenance."""
 
-import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -18,14 +17,22 @@ from smarig.certify import (
 from smarig.core import spaced
 from smarig.replay import Model
 from smarig.report.certificate.certificate_figures import certificate_figure
-from smarig.report.components.html import Html, cards, escaped, joined, notice, paragraph, table, tag
+from smarig.report.components.html import (
+    Html,
+    cards,
+    joined,
+    notice,
+    paragraph,
+    table,
+    tag,
+    with_subscripts,
+)
 from smarig.report.components.numbers import number, runs_text, thousands
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit
 from smarig.report.models.model_tables import M_P, M_PC
 
 HOLDS_TEXT = {True: "holds", False: "fails", None: "not decided"}
-_INDEX = re.compile(r"\b(Q|S|k|u|Δy|M)_(PC|P|r|a|e|o|k)\b")
 _BOX_STYLES = {True: "good", False: "bad", None: "warning"}
 
 
@@ -207,15 +214,6 @@ def _bias_text(found: ModelCertificate) -> str:
 
 def _initial_state_text(found: ModelCertificate) -> str:
     return "B*" if found.initial == "anhysteretic" else "negative saturation"
-
-
-def with_subscripts(text: str) -> Html:
-    """A sentence with its indices as subscripts.
-
-    >>> with_subscripts("k_e < 2")
-    'k<sub>e</sub> &lt; 2'
-    """
-    return Html(_INDEX.sub(r"\1<sub>\2</sub>", escaped(text)))
 
 
 def velocity_parts(found: ModelCertificate) -> list[Html]:

@@ -105,6 +105,10 @@ def notice(kind: str, *parts: Any) -> Html:
 
 
 def with_subscripts(text: str) -> Html:
-    """A text whose symbols have subscripts set as such: R_M, A_s."""
-    parts = re.split(r"(?<=\b[A-Za-z])(_[A-Za-z]{1,2})\b", text)
+    """A text whose symbols have subscripts set as such.
+
+    >>> with_subscripts("A_s, k_e < 2, Δy_a")
+    'A<sub>s</sub>, k<sub>e</sub> &lt; 2, Δy<sub>a</sub>'
+    """
+    parts = re.split(r"(?:(?<=\b[A-Za-z])|(?<=\bΔ[A-Za-z]))(_[A-Za-z]{1,2})\b", text)
     return joined(tag("sub", part[1:]) if part.startswith("_") else part for part in parts)
