@@ -268,7 +268,9 @@ def test_the_extended_model_has_a_zero_of_its_own_for_each_fitted_run(monkeypatc
     split = SimpleNamespace(train=("a",), held_out=("b",), select=None, continued=False, kind="run")
     model = SimpleNamespace(warnings=())
     first = candidate_models.CandidateModel("plain", model, (), (), verify(model, ("c",)).runs)
-    candidate_models.with_extended(candidate_models.Evaluation((first,), {}, {}), model, split)
+    candidate_models.with_diagnosed(
+        candidate_models.Evaluation((first,), {}, {}), candidate_models.EXTENDED, model, split
+    )
     assert (asked["a",], asked["b",]) == ("fitted", "auto")
 
 

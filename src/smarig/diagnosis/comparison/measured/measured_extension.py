@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -22,13 +23,19 @@ from smarig.identification import (
     fit_load_dependence,
     output_sign,
 )
-from smarig.measurement import InputRecord, MeasurementEffect, MeasurementPart, measurement_effect_types
+from smarig.measurement import (
+    InputRecord,
+    MeasurementEffect,
+    MeasurementPart,
+    measurement_effect_types,
+    reversals,
+)
 from smarig.preisach import FodTable
 from smarig.record import Run
 from smarig.replay import Model, provenance
 
-TRIED_SHARES = (0.05, 0.1, 0.2, 0.4, 0.8)  # of the output's range, over the range of the input
-HALVINGS = 4  # of the step between two shares
+PART = 0.1  # of the range of the input: long enough for a slope, and short within the transformation
+FEWEST_OF_LINE = 6
 PROPORTIONAL_WARNING = "A part of the output is proportional to the input; measure identified jointly."
 
 
@@ -115,29 +122,46 @@ def with_proportional_part(plain: PlainModel) -> MeasuredExtension | None:
     that is nowhere negative contains one with the sign of the transformation, so only a part against it is determined,
     and of that only the least: a steeper one is balanced by more of the measure.
     """
-    per_share = -output_sign(plain.records) * _output_per_input(plain.records)
-    tried = {0.0: plain.base} | {share: _without_part(plain, share * per_share) for share in TRIED_SHARES}
-    enough = min(found.fitted_rms for found in tried.values()) / OWN_ADVANTAGE
-    share = next(s for s in sorted(tried) if tried[s].fitted_rms <= enough)
-    if share == 0.0 or tried[share].misfit > OWN_ADVANTAGE * plain.base.misfit:
+    against = -output_sign(plain.records)
+    slope = against * max((_steepest(r, against) for r in plain.records), default=0.0)
+    if slope * against <= 0:
         return None
-    low, found = max(s for s in tried if s < share), tried[share]
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + share)
-        between = _without_part(plain, middle * per_share)
-        low, share, found = (low, middle, between) if between.fitted_rms <= enough else (middle, share, found)
+    found = _without_part(plain, slope)
+    if found.misfit > OWN_ADVANTAGE * plain.base.misfit:
+        return None
     kinds = {k.name: k for k in measurement_effect_types()}
-    part = MeasurementPart((kinds[PROPORTIONAL](),), (share * per_share,))
+    part = MeasurementPart((kinds[PROPORTIONAL](),), (slope,))
     model = extended_model(
         plain, hysteresis_of_first_run(found.fit), part, PROPORTIONAL, PROPORTIONAL_WARNING
     )
     return _if_better(plain, MeasuredExtension(model, found, held_out_error(found, len(plain.records))))
 
 
-def _output_per_input(records: Sequence[InputRecord]) -> float:
-    """The range of the output over that of the input."""
-    ranges = [np.ptp(np.concatenate([np.asarray(getattr(r, name)) for r in records])) for name in ("y", "u")]
-    return float(ranges[0] / ranges[1])
+def _steepest(record: InputRecord, sign: float) -> float:
+    """The steepest slope with a sign of the output along the branches of a record, less twice its standard error.
+
+    Of lines through parts of the branches, each a tenth of the range of the input.
+    """
+    found = [0.0]
+    turns = reversals(record.u)
+    for a, b in pairwise(turns):
+        u, y = record.u[a : b + 1], record.y[a : b + 1]
+        parts = np.linspace(u[0], u[-1], int(abs(u[-1] - u[0]) / (PART * np.ptp(record.u))) + 1)
+        for low, high in pairwise(np.sort(parts)):
+            own = (u >= low) & (u <= high)
+            if own.sum() >= FEWEST_OF_LINE and np.ptp(u[own]) > 0:
+                slope, error = _line(u[own], y[own])
+                found.append(sign * slope - 2.0 * error)
+    return max(found)
+
+
+def _line(u: Array, y: Array) -> tuple[float, float]:
+    """The slope of a line through readings (n,), with its standard error."""
+    x = u - u.mean()
+    square = float(x @ x)
+    slope = float(x @ y) / square
+    rest = y - y.mean() - slope * x
+    return slope, float(np.sqrt(rest @ rest / (y.size - 2) / square))
 
 
 def _without_part(plain: PlainModel, slope: float) -> MeasuredHypothesis:
