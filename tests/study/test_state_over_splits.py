@@ -88,4 +88,4 @@ def test_a_model_of_full_loops_is_good_for_full_loops(tmp_path):
     assert result.verdict == "good"
     first, second, *_ = result.sentences()
     assert "good for full loops; inner loops were not tested" in first
-    assert "these data hold full loops only" in second
+    assert "no data turn inside the loop" in second

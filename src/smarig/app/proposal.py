@@ -101,7 +101,7 @@ class Proposal:
         b = self.best
         return (
             f"To distinguish {names}: {b.protocol}{_settings_text(b.settings)}, {b.hours:.1f} h on the rig. "
-            f"The right one should then lead by {b.nats:.0f} nats (odds {b.odds:.2f})."
+            f"The right one should then be named with probability {b.odds:.2f}."
         )
 
     def to_json(self) -> dict[str, Any]:

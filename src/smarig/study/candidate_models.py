@@ -24,7 +24,7 @@ from smarig.study.data_split import LOAD, DataSplit
 
 _ONE_MODEL = "one model of all loads"
 _POSITIVE = "positive measure"
-SCATTER_OF_REPEATS, NOISE_OF_A_READING = "the scatter of repeats", "the noise of a reading"
+SCATTER_OF_REPEATS, NOISE_OF_A_READING = "scatter of repeats", "noise of a reading"
 _WORSE = 2.0  # times the error of the fit: clearly worse
 EXTENDED = "extended model of the diagnosis"
 PROPORTIONAL_PART = "positive measure and a part proportional to the input"

@@ -82,7 +82,7 @@ def mended(tables: Sequence[ImportedTable]) -> Iterator[str]:
 def _first_of(tables: Sequence[ImportedTable], kinds: Sequence[FindingKind]) -> Iterator[str]:
     for kind in kinds:
         found = _of_kind(tables, kind)
-        more = f" {len(found) - 1} more such findings are on the page." if len(found) > 1 else ""
+        more = " More findings of this kind are on the page." if len(found) > 1 else ""
         yield from (f"{text}{more}" for text in found[:1])
 
 
@@ -142,7 +142,7 @@ def _range(best: CandidateModel) -> Iterator[str]:
     if below < low - margin or above > high + margin:
         yield (
             f"The held-out input goes from {below:.4g} to {above:.4g}, the fitted one only from {low:.4g} to "
-            f"{high:.4g}: the model knows nothing of what switches beyond."
+            f"{high:.4g}: what switches beyond is not in the model."
         )
 
 
@@ -179,19 +179,12 @@ def _would_go_back(best: CandidateModel) -> str:
     return "A part of the output that falls with the input, slip, or a sensor that lags"
 
 
-def _differing(runs: Sequence[Run]) -> str:
-    """The conditions in which runs differ that one model fits together; empty if they differ in none."""
-    differ = {
-        name: values
+def differing_conditions(runs: Sequence[Run]) -> tuple[str, ...]:
+    """The conditions in which runs differ, with their values: "load (0.05, 0.1 kN)"."""
+    return tuple(
+        f"{name.replace('_', ' ')} ({_listed(list(values))}{spaced(next(iter(values.values())))})"
         for name, values in _by_condition(runs).items()
         if max(values) - min(values) > _SAME_SHARE * max(map(abs, values))
-    }
-    each = [
-        f"{name.replace('_', ' ')} ({_listed(list(v))}{spaced(min(v.values()))})"
-        for name, v in differ.items()
-    ]
-    return (
-        f"one model of runs that differ in {' and '.join(each)}. Fit each of them for itself." if each else ""
     )
 
 
@@ -234,7 +227,9 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool, undetermine
         return
     if _misses_fitted(best):
         misses = f"The model misses the fitted data as well, by {100 * share:.2g} % of their range:"
-        yield f"{misses} {_differing(split.train) or _without_conditions(best)}"
+        differ = " and ".join(differing_conditions(split.train))
+        one_model = f"one model of runs that differ in {differ}. Fit them separately."
+        yield f"{misses} {one_model if differ else _without_conditions(best)}"
     elif split.kind in ("run", "time") and best.misses_held_out and not explained:
         if (n := sum(r.settled.n for r in best.train)) < _FEW_READINGS:
             yield (

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from smarig.core import spaced
+from smarig.core import capitalised, spaced
 from smarig.record import Run
 from smarig.report import Html, display_unit, figure_name, interval_text, number, signed, tag, to_uncertainty
 from smarig.report import table as html_table
@@ -41,7 +41,7 @@ def _rows(result: StudyResult, run: Run) -> Iterator[Row]:
         return
     yield "Error, rms", _value(result.evaluation.best.rms, unit), ""
     yield "Error over the range", f"{number(100 * result.nrmse, 2)} %", ""
-    yield "Noise of a reading", _value(result.noise, unit, 2) if result.noise else "not known", ""
+    yield capitalised(result.noise_name), _value(result.noise, unit, 2) if result.noise else "not known", ""
 
 
 def _temperatures(found: RunFigures) -> Iterator[Row]:

@@ -33,7 +33,15 @@ from smarig.study.candidate_models import (
     noise_of_repeats,
 )
 from smarig.study.data_split import DataSplit
-from smarig.study.error_reasons import error_reasons, masked, mended, noisy_input, one_way, wrong_direction
+from smarig.study.error_reasons import (
+    differing_conditions,
+    error_reasons,
+    masked,
+    mended,
+    noisy_input,
+    one_way,
+    wrong_direction,
+)
 from smarig.study.function_of_input import FunctionOfInput
 from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
@@ -143,6 +151,11 @@ class StudyResult:
     def noise(self) -> float | None:
         """The noise by which errors are judged, in the unit of the output; None if unknown."""
         return self._noise[0]
+
+    @property
+    def noise_name(self) -> str:
+        """What that noise is: of a reading, or the scatter of repeats."""
+        return self._noise[1]
 
     @property
     def gain(self) -> float:
@@ -335,7 +348,7 @@ class StudyResult:
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
             return "fair, as blocks left out of the fit are predicted less well"
         if self.undetermined is not None and self.undetermined.explains and level is not ErrorLevel.GOOD:
-            return f"{level} in states that no fitted data enter"
+            return f"{level}, for want of fitted data"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
         if level is ErrorLevel.FAIR and self._one_way:
@@ -382,7 +395,9 @@ class StudyResult:
         causes = self.diagnosis.verdict.word in ("named", "ambiguous")
         if self.undetermined is not None and self.undetermined.explains and not causes:
             return missing
-        finding = finding_sentence(self.diagnosis, at_noise=self.at_noise)
+        split = self.split
+        differing = differing_conditions([*split.train, *split.held_out]) if split else ()
+        finding = finding_sentence(self.diagnosis, at_noise=self.at_noise, differing=differing)
         if which := self._diagnosed_model():
             finding = f"{which}{finding[:1].lower()}{finding[1:]}"
         found = f"{finding}{self._gain_by_cause()}"

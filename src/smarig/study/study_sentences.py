@@ -54,15 +54,13 @@ def error_sentence(
 def _over_noise(rms: float, noise: tuple[float | None, str]) -> str:
     """An error as a multiple of the noise, by its name; empty if that is unknown."""
     value, name = noise
-    return f", {ratio_text(rms / value)} × {name}" if value else ""
+    return f", {ratio_text(rms / value)} × the {name}" if value else ""
 
 
 InnerLoops = Literal["none", "held out", "fitted"]
 AS_WELL: dict[InnerLoops, str] = {
-    "none": ": these data hold full loops only. Record reversals inside the loop to test more.",
-    "held out": (
-        ": the fitted data hold full loops only, but the held-out data turn inside the loop. Fit such reversals, too."
-    ),
+    "none": "; no data turn inside the loop. Record reversals inside the loop to test more.",
+    "held out": "; the fitted data do not turn inside the loop, but the held-out data do. Fit such reversals, too.",
     "fitted": ", although the fitted data hold inner loops.",
 }
 
@@ -103,8 +101,8 @@ def simple_curve_sentence(
     the model, as it must be where no data hold ``inner_loops``.
     """
     if as_well:
-        curve = f"A simple curve ({name}) does about as well, {measure(error, unit)}"
-        return f"{curve}{AS_WELL[inner_loops]}"
+        leaves = f"{measure(error, unit)}, {ratio_text(gain)} times as much as the model"
+        return f"A simple curve ({name}) leaves {leaves}{AS_WELL[inner_loops]}"
     than = " than the model on blocks left out of the fit" if left_out else ""
     if gain >= BETTER:
         than_model = " as that of the model on blocks left out of the fit" if left_out else ""
@@ -163,12 +161,17 @@ def unpredicted_sentence(share: float, *, whole_record: bool) -> str:
     )
 
 
-def finding_sentence(d: CommandedDiagnosis | MeasuredDiagnosis, *, at_noise: bool) -> str:
-    """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
+def finding_sentence(
+    d: CommandedDiagnosis | MeasuredDiagnosis, *, at_noise: bool, differing: Sequence[str] = ()
+) -> str:
+    """What the diagnosis says of the errors that are left; they look like noise only if they are as small.
+
+    ``differing``: conditions in which the runs differ.
+    """
     shifted = _shift(d) if isinstance(d, MeasuredDiagnosis) else []
     if shifted and (d.verdict.depends_on == "run" or d.verdict.names == ("input_offset",)):
         return " ".join(shifted)  # that is what the run varies in
-    return " ".join([_finding(d, d.lines()[0], at_noise=at_noise), *shifted])
+    return " ".join([_finding(d, d.lines()[0], at_noise=at_noise, differing=differing), *shifted])
 
 
 def _shift(d: MeasuredDiagnosis) -> list[str]:
@@ -181,7 +184,9 @@ def _as_shown(line: str) -> str:
     return re.sub(r"(?<!\w)-(?=\d)", "−", line).replace(" degC", " °C")
 
 
-def _finding(d: CommandedDiagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool) -> str:
+def _finding(
+    d: CommandedDiagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool, differing: Sequence[str]
+) -> str:
     word, variable = d.verdict.word, d.verdict.depends_on
     if word == "silent":
         if at_noise:
@@ -192,6 +197,8 @@ def _finding(d: CommandedDiagnosis | MeasuredDiagnosis, first_line: str, *, at_n
         what = f"vary with {named}" if named else "are more than noise"
         if d.verdict.names:  # an effect explains them, but the verdict has a doubt
             return f"The errors that are left {what}. {doubtful_causes(d.verdict, d.causes)}"
+        if variable == "run" and differing:
+            return f"The errors that are left {what}, and so does the {' and the '.join(differing)}."
         joined = "; " if named else ", but "
         return f"The errors that are left {what}{joined}no known effect explains them{_learned_instead(d)}."
     if word == "named" and isinstance(d, MeasuredDiagnosis) and d.best is not None:

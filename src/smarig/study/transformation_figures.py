@@ -102,5 +102,5 @@ def transformation_of(runs: Sequence[Run], lag: Finding | None = None) -> Transf
             transformation_temperatures(run)
             usable.append(run)
         except UsageError as error:
-            left_out[run.name] = str(error)
+            left_out[run.name] = f"{error} {lag_sentence(lag)}" if lag else str(error)
     return Transformation(transformation_temperatures(usable) if usable else None, left_out, lag)

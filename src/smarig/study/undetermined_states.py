@@ -43,8 +43,7 @@ class UndeterminedStates:
         unit = spaced(display_unit(input_unit))
         low, high = (number(u) for u in self.inputs)
         no_change = ", no change" if self.explains else ""
-        beyond = f"{100 * self.share:.0f} % of the held-out error beyond that of the fitted data"
-        known = f"{beyond} is missing knowledge{no_change}"
+        known = f"{100 * self.share:.0f} % of the additional error on held-out data is missing knowledge{no_change}"
         if not self.turns:
             return f"{known}: from {low} to {high}{unit} the held-out data enter states that the fitted data did not."
         turns = ", ".join(number(u) for u in self.turns[:_MOST_SHOWN])

@@ -25,7 +25,7 @@ def verdict_lines(
         yield f"Something is wrong{dependence}, but no effect of the catalogue is certain. {reason}"
         if verdict.names:
             yield _competing(verdict, causes)
-    opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(word, "")
+    opening = {"named": "Found", "ambiguous": "Ambiguous, likeliest cause"}.get(word, "")
     for effect in findings:
         values = ", ".join(parameter_text(n, v) for n, v in effect.parameters.items())
         bracket = f" ({values})" if values else ""

@@ -129,7 +129,7 @@ def branches_text(run: RunFigures) -> Html:
     items = [*run.notes, *(f"Not used: {u.sentence(unit)}" for u in run.unused)]
     return joined(
         [
-            paragraph(f"{run.name}: {used} branches of {len(run.cycles)} cycles are used."),
+            paragraph(f"{run.name}: branches used: {used}, of cycles: {len(run.cycles)}."),
             bullets(map(with_subscripts, items)),
         ]
     )
