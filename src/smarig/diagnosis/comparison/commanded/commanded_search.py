@@ -13,7 +13,7 @@ import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.effect_traces import Candidate
-from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
+from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined, weaker
 from smarig.diagnosis.comparison.commanded.law_trials import laws
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, collinear, screened
@@ -210,6 +210,7 @@ def _fitted_effects(
         result = fitted_with(subject, base, [*base.effects, one.effect], one.starts)
         if result is None:
             return
+        result = weaker(subject, base, result, one.trial.score)
         hypothesis, models[result[0].parts] = result
         found.append(hypothesis)
         progress(f"{hypothesis.name}: {hypothesis.score - nothing:+.1f} nats on blocks left out")

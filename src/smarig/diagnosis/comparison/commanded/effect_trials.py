@@ -16,12 +16,15 @@ STEP_BOUNDS = (0.01, 0.3)  # of its size: bounds of a step
 ROUNDS = 5  # of parameters, then density; and of steps along each parameter
 MOST_TRIALS = 20
 MIN_ROUND_NATS = 2.0  # a round that gains less is the last
+HALVINGS = 3  # of a strength
 MIN_MOVE_SD = 0.3  # of a parameter: smaller moves change no score
+
+FittedHypothesis = tuple[ComparedHypothesis, FittedPlant]
 
 
 def fitted_with(
     subject: CommandedProblem, start: FittedPlant, effects: Sequence[Effect], others: Sequence[Effect] = ()
-) -> tuple[ComparedHypothesis, FittedPlant] | None:
+) -> FittedHypothesis | None:
     """The hypothesis that these effects are present, with a density identified together with them.
 
     A density that was identified without an effect has its errors in it, and holds its strength near zero. So the
@@ -42,6 +45,31 @@ def fitted_with(
         return None
     _, best = max(found, key=lambda pair: pair[0].score)
     return ComparedHypothesis(subject.parts(best), tuple(t for t, _ in found)), best
+
+
+def weaker(
+    subject: CommandedProblem, start: FittedPlant, found: FittedHypothesis, linear: float
+) -> FittedHypothesis:
+    """A fitted hypothesis with trials at half the strength, and so on, while it stays below its ``linear`` score.
+
+    A density that has taken up an effect does not give it back at once, so the strength of the trace is too large
+    about it: that of a friction, which makes every loop wider.
+    """
+    hypothesis, best = found
+    trials = list(hypothesis.trials)
+    for _ in range(HALVINGS):
+        if max(t.score for t in trials) >= linear:
+            break
+        *known, last = best.effects
+        try:
+            half = subject.with_density((*known, last.at(0.5 * last.strength)), start)
+        except np.linalg.LinAlgError:  # as in ``fitted_with``
+            break
+        trials.append(subject.trial(half))
+        if trials[-1].score < max(t.score for t in trials):
+            break
+        best = half
+    return ComparedHypothesis(hypothesis.parts, tuple(trials)), best
 
 
 def _apart(starts: Sequence[Sequence[Effect]]) -> list[Sequence[Effect]]:
