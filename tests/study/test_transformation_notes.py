@@ -19,4 +19,4 @@ def test_readings_that_are_missing_on_the_steep_part_are_said(tmp_path):
     assert any(said in line for line in found.transformation.lines())
     page = Page((tmp_path / "out" / "index.html").read_text(encoding="utf-8")).visible
     assert said in page
-    assert "A_s and A_f would differ" in page
+    assert "As and Af would differ" in page  # with subscripts

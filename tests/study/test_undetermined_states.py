@@ -138,9 +138,9 @@ def test_noise_that_no_model_removes_is_not_counted_against_missing_knowledge(tm
 
 
 def test_inner_loops_of_the_fitted_data_are_no_full_loops(tmp_path):
-    """Two wires, one 20 K later: a curve is as good as a model of both, whatever the data hold."""
+    """Two wires, one 8 K later: a curve is as good as a model of both, whatever the data hold."""
     u = path((25, 95, 50, 90, 25, 95, 25))
-    files = [written(tmp_path / f"{k}.csv", u, output("drawn", u, shift=20.0 * k)) for k in range(2)]
+    files = [written(tmp_path / f"{k}.csv", u, output("drawn", u, shift=8.0 * k)) for k in range(2)]
     result = study(files, tmp_path / "out", StudyOptions(diagnose=False))
     (curve,) = [s for s in result.sentences() if "simple curve" in s]
     assert "although the fitted data hold inner loops" in curve
