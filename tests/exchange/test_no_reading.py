@@ -12,8 +12,19 @@ from smarig.study import guess_table, mapping_draft
 ROWS = 120
 U = np.round(60 - 35 * np.cos(np.linspace(0, 4 * np.pi, ROWS)), 1)
 X = np.round(3 + 2 * np.tanh((U - np.where(np.gradient(U) > 0, 66, 54)) / 6), 3)
-WORDS = ("BURNOUT", "+++++++", "-FFFFFFF", "OVER", "+OVER", "OL", "----", "-----------")
-NUMBERS = ("7.77777E+99", "+9.9E+37", "-9.91E+37")
+WORDS = (
+    "BURNOUT",
+    "+++++++",
+    "-FFFFFFF",
+    "OVER",
+    "+OVER",
+    "OL",
+    "----",
+    "-----------",
+    "--OL--",
+    "***OVER***",
+)
+NUMBERS = ("7.77777E+99", "+9.9E+37", "-9.91E+37", "INF", "+Inf", "-infinity")
 
 
 def logger(mark, rows, columns=("CH2",), units="NO.,Time,degC,mm,A1234,A12"):

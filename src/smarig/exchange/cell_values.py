@@ -25,9 +25,6 @@ MISSING = {
         "--",
         "---",
         "?",
-        "inf",
-        "-inf",
-        "+inf",
     ),
     *(
         "overflow",
@@ -42,13 +39,8 @@ MISSING = {
     ),
 }
 _NOT_A_NUMBER = re.compile(
-    r"[+-]?(nan(\([a-z0-9]*\))?|1\.#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
-)  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, -1.#IND00, and -1.#J with two decimals
-_INFINITE = {
-    "inf",
-    "-inf",
-    "+inf",
-}  # a missing value while a table is searched for; an error where it is read
+    r"[+-]?(nan(\([a-z0-9]*\))?|1[.,]#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
+)  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, 1,#QNAN, -1.#IND00, and -1.#J with two decimals
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 _THOUSANDS = {",": ",", ".": r"\.", "'": "['’]", "space": r"[\s\u00a0\u202f]"}
 
@@ -120,10 +112,4 @@ def number_column(
                     f"{path}, line {where[k]}, column {shown(name)}: {shown(cell, 40)} is not a number{hint}."
                 ) from None
             out[k] = np.nan
-    if lenient:
-        out[np.isinf(out)] = np.nan
-    if np.isinf(out).any():
-        raise DataError(
-            f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column {shown(name)} is infinite."
-        )
     return without_marks(out)
