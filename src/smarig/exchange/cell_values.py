@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -99,14 +99,17 @@ def number_column(
     *,
     thousands: str = "",
     lenient: bool = False,
+    no_reading: Collection[str] = (),
 ) -> Array:
-    """The numbers of a column's cells, NaN for those that say that there is none; ``lenient``: for any other text."""
+    """The numbers of a column's cells, NaN for those that say that there is none, as the texts ``no_reading`` do;
+    ``lenient``: for any other text.
+    """
     out = np.empty(len(cells))
     for k, cell in enumerate(cells):
         try:
             out[k] = number_from_text(plain_number(cell, decimal, thousands))
         except ValueError:
-            if not lenient and not is_missing(cell):
+            if not (lenient or is_missing(cell) or cell in no_reading):
                 hint = "; declare decimal = ',' in a mapping file" if _DECIMAL_COMMA.fullmatch(cell) else ""
                 raise DataError(
                     f"{path}, line {where[k]}, column {shown(name)}: {shown(cell, 40)} is not a number{hint}."

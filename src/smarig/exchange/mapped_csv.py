@@ -38,6 +38,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
         header_line=f.header_line,
         units_rows=f.units_rows,
         interruptions=f.interruptions,
+        no_reading=f.no_reading,
         clock=mapping.time.column if mapping.time and mapping.time.written == "clock" else "",
         text=tuple(mapping.ignore),
     )

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -34,10 +34,11 @@ def without_marks(x: Array) -> Array:
     return np.where(np.isin(np.abs(x), _NUMBERS) | np.isinf(x), np.nan, x)
 
 
-def count_marks(cells: Mapping[str, Sequence[str]]) -> dict[str, Counter[str]]:
-    """How often each mark stands in the cells of the columns that have any."""
+def count_marks(cells: Mapping[str, Sequence[str]], others: Collection[str] = ()) -> dict[str, Counter[str]]:
+    """How often each mark, ``others`` too, stands in the cells of the columns that have any."""
     found = {
-        name: Counter(cell for cell in column if stands_for_none(cell)) for name, column in cells.items()
+        name: Counter(cell for cell in column if cell in others or stands_for_none(cell))
+        for name, column in cells.items()
     }
     return {name: marks for name, marks in found.items() if marks}
 

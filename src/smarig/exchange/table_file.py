@@ -56,6 +56,7 @@ def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
         layout.header_starts
         or layout.clock
         or layout.interruptions != "refuse"
+        or layout.no_reading  # they are counted in the whole table
         or path.stat().st_size > text_table.MAX_BYTES
     ):
         raise _UnusualError

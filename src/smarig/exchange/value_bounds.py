@@ -19,7 +19,7 @@ _BOUNDS = {  # channel: (lowest, highest, unit), with a wide margin
     "temperature_degC": (-273.15, 1500.0, "degC"),
     "ambient_degC": (-90.0, 90.0, "degC"),
 }
-_FEW = 0.03  # of the readings: more impossible ones say that the unit is wrong
+FEW = 0.03  # of the readings: more impossible ones say that the unit is wrong
 _STRAIN_MAX = 0.2  # recoverable strain of shape-memory alloys is below 0.1
 _STRAIN_RANGE_MIN = 1e-3  # less than thermal expansion over 100 K
 
@@ -50,7 +50,7 @@ def possible(
     if not bad.any():
         return x, []
     count, readings = int(bad.sum()), x.size
-    if count > _FEW * readings:
+    if count > FEW * readings:
         check_bounds(path, channel, column, x, line)
         return x, []
     first = f"{x[bad][0]:g}{spaced(unit)} in line {line[bad][0]}"

@@ -58,11 +58,19 @@ def read_workbook(path: Path, mapping: MappingFile, layout: WorkbookLayout) -> T
     require_columns(mapping, list(names), path)
     clock = mapping.time.column if mapping.time and mapping.time.written == "clock" else ""
     first = layout.header_row + layout.units_rows
-    return _table(path, rows, first, len(rows), names, clock, tuple(mapping.ignore))
+    text = tuple(mapping.ignore)
+    return _table(path, rows, first, len(rows), names, clock, text, layout.no_reading)
 
 
 def _table(
-    path: Path, rows: _Rows, first: int, stop: int, names: Sequence[str], clock: str, text: Sequence[str]
+    path: Path,
+    rows: _Rows,
+    first: int,
+    stop: int,
+    names: Sequence[str],
+    clock: str,
+    text: Sequence[str],
+    no_reading: Sequence[str],
 ) -> Table:
     data = [(k + 1, row) for k, row in enumerate(rows[first:stop], first) if any(row[: len(names)])]
     where = [k for k, _ in data]
@@ -75,21 +83,24 @@ def _table(
         columns[name] = (
             read(path, name, cells, where)
             if read
-            else number_column(path, name, cells, where, ".", lenient=name in text)
+            else number_column(path, name, cells, where, ".", lenient=name in text, no_reading=no_reading)
         )
     header = preamble_keys([": ".join(cell for cell in row if cell) for row in rows[: max(first - 1, 0)]])
-    return Table(columns, np.array(where, dtype=np.int64), header, tuple(missing_notes(columns, written)))
+    notes = missing_notes(columns, written, no_reading=no_reading)
+    return Table(columns, np.array(where, dtype=np.int64), header, tuple(notes))
 
 
 def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) -> FoundTable:
     kinds = dict(zip(block.names, block.kinds))
     clock = next((name for name, kind in kinds.items() if kind == CLOCK), "")
     text = [name for name, kind in kinds.items() if kind != NUMBER and name != clock]
-    table = _table(path, rows, block.first, block.stop, block.names, clock, text)
+    table = _table(path, rows, block.first, block.stop, block.names, clock, text, block.no_reading)
     header = -1 if block.header is None else block.header
     entries: dict[str, Any] = {"sheet": title, "header_row": header + 1}
     if block.own_names or block.header is None:
         entries["names"] = list(block.names)
+    if block.no_reading:
+        entries["no_reading"] = list(block.no_reading)
     if skipped := block.first - header - 1:
         entries["units_rows"] = skipped
     return FoundTable(
