@@ -118,6 +118,24 @@ def lone_spikes(x: Array) -> NDArray[np.bool_]:
     return mask
 
 
+def error_codes(x: Array) -> NDArray[np.bool_]:
+    """Mask of readings (n,) that repeat one value beyond all others, each time in a single row far from both
+    neighbours: a noisy channel reads no such value twice, but a logger writes its code of an error so.
+
+    >>> x = np.sin(np.arange(200) / 9)
+    >>> x[[50, 120]] = -99
+    >>> np.flatnonzero(error_codes(x)).tolist()
+    [50, 120]
+    """
+    mask, lone = np.zeros(x.size, dtype=bool), lone_spikes(x)
+    others = x[~lone & np.isfinite(x)]
+    values, times = np.unique(x[lone], return_counts=True)
+    for value in values[times > 1].tolist():
+        if not others.min() <= value <= others.max():
+            mask |= x == value
+    return mask
+
+
 def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[ImportFinding]:
     lone = lone_spikes(x)
     if not lone.any():

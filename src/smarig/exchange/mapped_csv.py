@@ -19,7 +19,14 @@ from smarig.exchange.text_table import Table, TableLayout
 from smarig.exchange.time_axis import check_time, joined_clock, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
-from smarig.exchange.value_bounds import check_bounds, check_size, check_strain, plausible, possible
+from smarig.exchange.value_bounds import (
+    check_bounds,
+    check_size,
+    check_strain,
+    plausible,
+    possible,
+    without_codes,
+)
 from smarig.record import OWN_ZERO, ImportFinding, remarks
 
 
@@ -240,7 +247,8 @@ def _channels(
         values = convert(_scaled(table, column), column.unit, unit)
         strain = unit if channel == "position" and _is_strain(mapping) else ""
         values, masked = possible(path, channel, column.column, values, table.line, strain)
-        notes += masked
+        values, codes = without_codes(column.column, values, table.columns[column.column], table.line)
+        notes += masked + codes
         if not np.isfinite(values).any():
             raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         out[channel] = np.array(values, dtype=float)
@@ -265,7 +273,10 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
         if column.value is not None:
             out[name] = {"unit": spelled(column.unit)} | dict.fromkeys(("mean", "min", "max"), column.value)
             continue
-        x = _scaled(table, column)
+        x, codes = without_codes(
+            column.column, _scaled(table, column), table.columns[column.column], table.line
+        )
+        messages += codes
         if not np.isfinite(x).any():
             raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
