@@ -24,6 +24,7 @@ from smarig.exchange.header_words import has_bracketed_units, words_below
 from smarig.exchange.interruptions import names_columns
 from smarig.exchange.number_style import NumberStyle
 from smarig.exchange.rare_texts import rare_texts
+from smarig.exchange.table_rows import rows_end
 from smarig.exchange.written_units import is_units_row, without_markup
 
 FEWEST_ROWS = 3  # of a table
@@ -74,7 +75,8 @@ def find_blocks(
             breaks.append(k)
         else:
             runs.append([k, k + 1])
-    found = [_block(rows, kinds, a, b, style, lines) for a, b in runs]
+    ends = [rows_end(rows[:b], a, style) for a, b in runs]
+    found = [_block(rows, kinds, a, b, style, lines) for (a, _), b in zip(runs, ends)]
     return [
         replace(block, breaks=tuple(k for k in breaks if block.first < k < block.stop))
         for block in found

@@ -7,6 +7,7 @@ file would take all memory.
 import re
 import zipfile
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from datetime import datetime, time, timedelta
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from smarig.exchange.found_table import CLOCK, NUMBER, FoundTable, found_columns
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import WorkbookLayout
 from smarig.exchange.needed_package import needed_package
+from smarig.exchange.table_rows import rows_end
 from smarig.exchange.table_structure import FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import Table, missing_notes, preamble_keys
 
@@ -58,8 +60,18 @@ def read_workbook(path: Path, mapping: MappingFile, layout: WorkbookLayout) -> T
     require_columns(mapping, list(names), path)
     clock = mapping.time.column if mapping.time and mapping.time.written == "clock" else ""
     first = layout.header_row + layout.units_rows
-    text = tuple(mapping.ignore)
-    return _table(path, rows, first, len(rows), names, clock, text, layout.no_reading)
+    stop = rows_end(rows, first, _STYLE)
+    table = _table(path, rows, first, stop, names, clock, tuple(mapping.ignore), layout.no_reading)
+    return replace(table, notes=(*table.notes, *_footer_notes(rows, stop)))
+
+
+def _footer_notes(rows: _Rows, stop: int) -> list[str]:
+    """A finding on rows below the table."""
+    filled = [k for k in range(stop, len(rows)) if rows[k]]
+    if not filled:
+        return []
+    text = shown(" ".join(rows[filled[0]]), 40)
+    return [f"The rows from {filled[0] + 1} on ({text}) stand after the table."]
 
 
 def _table(
