@@ -214,6 +214,8 @@ def test_copies_and_repeats():
     assert "identical" in duplicate_columns({"a": a, "b": a.copy()})[0]
     assert "+0.248: the same data with another zero" in duplicate_columns({"a": a, "b": a + 0.248})[0]
     assert duplicate_columns({"a": a, "b": a**2}) == []
+    twice = np.repeat(a[:10], 2)
+    assert "10 rows repeat the row before" in repeated_rows({"a": twice}, LINE[:20])[0].text
 
 
 def test_clocks_of_tables_side_by_side_are_no_copies():
@@ -221,8 +223,6 @@ def test_clocks_of_tables_side_by_side_are_no_copies():
     assert duplicate_columns({"Zeit": t, "Zeit (2)": t.copy(), "Zeit (3)": t + 2.0}) == []
     assert "identical" in duplicate_columns({"Kraft": force, "Kraft (2)": force.copy()})[0]
     assert "identical" in duplicate_columns({"Zeit": t, "Weg (2)": t.copy()})[0]
-    twice = np.repeat(a[:10], 2)
-    assert "10 rows repeat the row before" in repeated_rows({"a": twice}, LINE[:20])[0].text
 
 
 def test_time_gaps_are_found():

@@ -121,7 +121,8 @@ def lone_spikes(x: Array) -> NDArray[np.bool_]:
 
 def error_codes(x: Array) -> NDArray[np.bool_]:
     """Mask of readings (n,) that repeat the lowest or highest value in a few single rows, each far from both neighbours
-    or further off than all others lie apart: a channel reads no such value twice, but a logger writes its code so.
+    and the range of all others, or further off than all others lie apart: a channel reads no such value twice, but a
+    logger writes its code so.
 
     >>> x = np.sin(np.arange(200) / 9)
     >>> x[[50, 120]] = -99
@@ -136,7 +137,7 @@ def error_codes(x: Array) -> NDArray[np.bool_]:
         single = not (rows[known][1:] & rows[known][:-1]).any()
         if single and 1 < rows.sum() <= _FEW * known.size and others.size:
             off = max(value - others.max(), others.min() - value)
-            if off > (0 if lone[rows].all() else np.ptp(others) or np.inf):
+            if off > np.ptp(others) * (_SPIKE if lone[rows].all() else 1.0) > 0:
                 mask |= rows
     return mask
 

@@ -11,6 +11,7 @@ import numpy as np
 from smarig.core import Array
 from smarig.exchange.channel_faults import error_codes
 from smarig.exchange.text_table import Table
+from smarig.exchange.time_axis import unwrapped
 from smarig.exchange.value_bounds import check_size
 
 CLOCK, NUMBER, TEXT = "clock", "number", "text"
@@ -80,7 +81,7 @@ def found_columns(
         FoundColumn(
             name,
             units.get(name, ""),
-            np.where(error_codes(values), np.nan, values),
+            unwrapped(np.where(error_codes(values), np.nan, values)),
             kinds.get(name, NUMBER),
             comments.get(name, ""),
         )

@@ -16,7 +16,14 @@ from smarig.exchange.mapping import Column, Condition, MappingFile, require_colu
 from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import Table, TableLayout
-from smarig.exchange.time_axis import check_time, joined_clock, merge_repeats, time_findings
+from smarig.exchange.time_axis import (
+    check_time,
+    counter_findings,
+    joined_clock,
+    merge_repeats,
+    time_findings,
+    unwrapped,
+)
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import (
@@ -150,7 +157,10 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
         table, messages = _with_times_only(table, time.column)
     t_s = np.zeros(len(table))
     if time.column:
-        t_s = t_s + convert(table.columns[time.column], time.unit, "s")
+        written = table.columns[time.column]
+        counted = unwrapped(written)
+        messages += counter_findings(time.column, written, counted, table.line)
+        t_s = t_s + convert(counted, time.unit, "s")
     if time.fraction:
         t_s = t_s + convert(table.columns[time.fraction], time.fraction_unit, "s")
         t_s -= t_s[0] if time.written == "clock" else 0.0
