@@ -64,6 +64,7 @@ def test_a_mark_in_a_workbook(tmp_path):
 def test_a_mark_with_a_decimal_comma(write, mark):
     lines = text("MARK", ";").replace(".", ",").replace("MARK", mark)
     (table,) = find_tables(write(lines))
+    assert [column.kind for column in table.columns] == ["number"] * 3
     missing = [np.flatnonzero(np.isnan(column.values)).tolist() for column in table.columns]
     assert missing == [[], [7], [30]]
 
