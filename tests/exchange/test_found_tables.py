@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smarig.core import DataError
-from smarig.exchange import find_tables
+from smarig.exchange import find_tables, known_unit
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import TableLayout
 
@@ -190,3 +190,10 @@ def test_random_bytes_are_a_table_or_refused_in_one_sentence(write):
             refusals.append(str(error))
     assert refusals
     assert not any("\n" in sentence for sentence in refusals)
+
+
+@pytest.mark.parametrize("unit", ["Cel", "cel", "[CEL]"])
+def test_celsius_of_unit_codes(write, unit):
+    rows = [f"{0.5 * k}\t{20 + k}\t{3 - 0.1 * k:.2f}" for k in range(30)]
+    (table,) = find_tables(write("\n".join(["t\tprobe\tx", f"s\t{unit}\tmm", *rows])))
+    assert [known_unit(column.unit) for column in table.columns] == ["s", "degC", "mm"]

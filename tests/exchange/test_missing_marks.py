@@ -18,6 +18,7 @@ MARKS = (
     "-1.#IND",
     "1.#IND00",
     "-1.#J",
+    "1.#INF",
 )
 U = np.round(60 - 35 * np.cos(np.linspace(0, 4 * np.pi, 40)), 3)
 
@@ -59,6 +60,15 @@ def test_a_mark_in_a_workbook(tmp_path):
     assert np.flatnonzero(np.isnan(table.columns[1].values)).tolist() == [7]
 
 
-@pytest.mark.parametrize("cell", ["nano", "1.#", "nan nan", "1.#INF", "banana", "1.5"])
+@pytest.mark.parametrize("mark", ["1,#QNAN", "-1,#IND", "1,#INF00", "-1,#J"])
+def test_a_mark_with_a_decimal_comma(write, mark):
+    lines = text("MARK", ";").replace(".", ",").replace("MARK", mark)
+    (table,) = find_tables(write(lines))
+    assert [column.kind for column in table.columns] == ["number"] * 3
+    missing = [np.flatnonzero(np.isnan(column.values)).tolist() for column in table.columns]
+    assert missing == [[], [7], [30]]
+
+
+@pytest.mark.parametrize("cell", ["nano", "1.#", "nan nan", "1,#", "banana", "1.5"])
 def test_other_texts_are_no_missing_readings(cell):
     assert not is_missing(cell)

@@ -12,8 +12,19 @@ from smarig.study import guess_table, mapping_draft
 ROWS = 120
 U = np.round(60 - 35 * np.cos(np.linspace(0, 4 * np.pi, ROWS)), 1)
 X = np.round(3 + 2 * np.tanh((U - np.where(np.gradient(U) > 0, 66, 54)) / 6), 3)
-WORDS = ("BURNOUT", "+++++++", "-FFFFFFF", "OVER", "+OVER", "OL", "----", "-----------")
-NUMBERS = ("7.77777E+99", "+9.9E+37", "-9.91E+37")
+WORDS = (
+    "BURNOUT",
+    "+++++++",
+    "-FFFFFFF",
+    "OVER",
+    "+OVER",
+    "OL",
+    "----",
+    "-----------",
+    "--OL--",
+    "***OVER***",
+)
+NUMBERS = ("7.77777E+99", "+9.9E+37", "-9.91E+37", "INF", "+Inf", "-infinity")
 
 
 def logger(mark, rows, columns=("CH2",), units="NO.,Time,degC,mm,A1234,A12"):
@@ -104,3 +115,35 @@ def test_a_table_that_is_left_out_is_printed_with_its_rows(write, tmp_path, caps
     assert "its columns (step, a, b) differ from those of the other tables; its 7 rows are not used" in (
         printed.err
     )
+
+
+@pytest.mark.parametrize("word", ["Err", "-x-Fault-x-", "open loop", "E07", "§§"])
+def test_a_rare_text_among_numbers_is_masked_and_counted(write, word):
+    run, findings = imported(write(logger(word, (17, 88))))
+    assert np.flatnonzero(np.isnan(run["position"])).tolist() == [17, 88]
+    assert f"Column 'CH2': 2 of {ROWS} cells are masked, because '{word}' stands for no reading." in findings
+
+
+@pytest.mark.parametrize("text", ["2.5 mm", "<3", "3.1.4"])
+def test_a_text_that_may_be_a_number_is_not_masked(write, text):
+    (table,) = find_tables(write(logger(text, (17, 88))))
+    assert table.columns[3].kind == "text"
+
+
+def test_many_texts_are_no_failed_readings(write):
+    (table,) = find_tables(write(logger("off", range(0, ROWS, 3))))
+    assert table.columns[3].kind == "text"
+
+
+@pytest.mark.skipif(lacks("files"), reason="needs extra 'files'")
+def test_a_rare_text_in_a_workbook(tmp_path):
+    from openpyxl import Workbook
+
+    book = Workbook()
+    book.active.append(["time [s]", "T [degC]", "x [mm]"])
+    for k, (u, x) in enumerate(zip(U, X)):
+        book.active.append([k, float(u), "Err" if k in (5, 9) else float(x)])
+    book.save(tmp_path / "a.xlsx")
+    run, findings = imported(tmp_path / "a.xlsx")
+    assert np.flatnonzero(np.isnan(run["position"])).tolist() == [5, 9]
+    assert f"Column 'x [mm]': 2 of {ROWS} cells are masked, because 'Err' stands for no reading." in findings

@@ -111,6 +111,7 @@ INERT = (
         "decimal",
         "thousands",
         "header_starts",
+        "no_reading",
         "sheet",
         "group",
     ),

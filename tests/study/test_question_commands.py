@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from smarig.cli import run
-from smarig.core import DataError
+from smarig.core import DataError, UsageError
 from smarig.study import study
 from smarig.study.study_options import StudyOptions
 from smarig.study.understanding import UnsureError, understand
@@ -88,3 +88,15 @@ def test_an_output_that_does_not_follow_is_refused_with_the_others(tmp_path):
     with pytest.raises(DataError) as stated:
         study([path], tmp_path / "out", StudyOptions(diagnose=False, output="Stroke (mm)"))
     assert "smarig study" not in str(stated.value)
+
+
+@pytest.mark.parametrize("role", ["input", "output"])
+@pytest.mark.parametrize(
+    ("column", "why"), [("state", "some of its cells are texts"), ("gain", "the same in every row")]
+)
+def test_a_named_column_that_has_no_loop_is_refused_with_its_reason(tmp_path, role, column, why):
+    rows = [f"{k},{u:.2f},{y:.4f},{'off' if k % 3 else 5},7" for k, (u, y) in enumerate(zip(U, Y))]
+    path = tmp_path / "wire.csv"
+    path.write_text("\n".join(["time_s,T_degC,x_mm,state,gain", *rows]) + "\n", encoding="utf-8")
+    with pytest.raises(UsageError, match=f"column '{column}' cannot be the {role}: .*{why}"):
+        understand([path], StudyOptions(**{role: column}))

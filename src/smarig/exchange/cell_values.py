@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +25,6 @@ MISSING = {
         "--",
         "---",
         "?",
-        "inf",
-        "-inf",
-        "+inf",
     ),
     *(
         "overflow",
@@ -42,13 +39,8 @@ MISSING = {
     ),
 }
 _NOT_A_NUMBER = re.compile(
-    r"[+-]?(nan(\([a-z0-9]*\))?|1\.#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
-)  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, -1.#IND00, and -1.#J with two decimals
-_INFINITE = {
-    "inf",
-    "-inf",
-    "+inf",
-}  # a missing value while a table is searched for; an error where it is read
+    r"[+-]?(nan(\([a-z0-9]*\))?|1[.,]#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
+)  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, 1,#QNAN, -1.#IND00, and -1.#J with two decimals
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 _THOUSANDS = {",": ",", ".": r"\.", "'": "['’]", "space": r"[\s\u00a0\u202f]"}
 
@@ -107,23 +99,20 @@ def number_column(
     *,
     thousands: str = "",
     lenient: bool = False,
+    no_reading: Collection[str] = (),
 ) -> Array:
-    """The numbers of a column's cells, NaN for those that say that there is none; ``lenient``: for any other text."""
+    """The numbers of a column's cells, NaN for those that say that there is none, as the texts ``no_reading`` do;
+    ``lenient``: for any other text.
+    """
     out = np.empty(len(cells))
     for k, cell in enumerate(cells):
         try:
             out[k] = number_from_text(plain_number(cell, decimal, thousands))
         except ValueError:
-            if not lenient and not is_missing(cell):
+            if not (lenient or is_missing(cell) or cell in no_reading):
                 hint = "; declare decimal = ',' in a mapping file" if _DECIMAL_COMMA.fullmatch(cell) else ""
                 raise DataError(
                     f"{path}, line {where[k]}, column {shown(name)}: {shown(cell, 40)} is not a number{hint}."
                 ) from None
             out[k] = np.nan
-    if lenient:
-        out[np.isinf(out)] = np.nan
-    if np.isinf(out).any():
-        raise DataError(
-            f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column {shown(name)} is infinite."
-        )
     return without_marks(out)

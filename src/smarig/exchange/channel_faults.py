@@ -11,6 +11,7 @@ from smarig.record import ImportFinding, remarks
 
 _COARSE = 0.002  # of the range: smaller steps are invisible in a hysteresis loop
 _SPIKE = 0.3  # of the 1–99 % range
+_FEW = 0.02  # of the rows: more single rows that lie apart are noise
 _HELD_ROWS = 5
 _CLIPPED_ROWS = 5
 
@@ -113,8 +114,31 @@ def lone_spikes(x: Array) -> NDArray[np.bool_]:
     step = np.diff(v)
     before, after = step[:-1], step[1:]  # a lone row lies on one side of both neighbours
     lone = (before * after < 0) & (np.abs(before) > limit) & (np.abs(after) > limit)
-    if limit > 0 and lone.mean() <= 0.02:
+    if limit > 0 and lone.mean() <= _FEW:
         mask[np.flatnonzero(finite)[1:-1][lone]] = True
+    return mask
+
+
+def error_codes(x: Array) -> NDArray[np.bool_]:
+    """Mask of readings (n,) that repeat the lowest or highest value in a few single rows, each far from both neighbours
+    and the range of all others, or further off than all others lie apart: a channel reads no such value twice, but a
+    logger writes its code so.
+
+    >>> x = np.sin(np.arange(200) / 9)
+    >>> x[[50, 120]] = -99
+    >>> np.flatnonzero(error_codes(x)).tolist()
+    [50, 120]
+    """
+    mask, lone = np.zeros(x.size, dtype=bool), lone_spikes(x)
+    known = np.flatnonzero(np.isfinite(x))
+    for value in {x[known].min(), x[known].max()} if known.size else ():
+        rows = x == value
+        others = x[known][~(rows | lone)[known]]
+        single = not (rows[known][1:] & rows[known][:-1]).any()
+        if single and 1 < rows.sum() <= _FEW * known.size and others.size:
+            off = max(value - others.max(), others.min() - value)
+            if off > np.ptp(others) * (_SPIKE if lone[rows].all() else 1.0) > 0:
+                mask |= rows
     return mask
 
 

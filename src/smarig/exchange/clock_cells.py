@@ -13,14 +13,15 @@ from smarig.exchange.cell_values import is_missing
 _CLOCK = re.compile(r"(?:(\d{1,9})[ T])?(\d{1,3}):(\d{2})(?::(\d{2})(?:[.,:](\d+))?)?")
 _DATE = re.compile(
     r"(\d{1,4})[./-](\d{1,2})[./-](\d{1,4})[ T,;]+(\d{1,2}):(\d{2})(?::(\d{2})(?:[.,:](\d+))?)?"
-    r"(?:\s*([AaPp][Mm]))?(?:Z|[+-]\d{2}:?\d{2})?"
+    r"(?:\s*([AaPp][Mm]))?\s*(?:Z|([+-])(\d{2}):?(\d{2})?)?"
 )
 _SHORT_FIRST = re.compile(r"'?\d{1,2}[./-]")  # a date that does not begin with a year of four digits
 _ORDERS = ("dmy", "mdy", "ymd")  # of day, month and year; the first counts where rows allow several
 
 
 def clock_seconds(cell: str, order: str = "") -> float | None:
-    """Seconds of a time of day, a duration, or a date with a time (from 1970, without its zone); None for other texts.
+    """Seconds of a time of day, a duration, or a date with a time (from 1970; UTC if it has an offset); None for other
+    texts.
 
     ``order`` is that of day, month and year in numbers, where no year of four digits comes first; "" for the first that
     the cell allows. An apostrophe before a date, which keeps a spreadsheet from changing it, is left out.
@@ -44,7 +45,7 @@ def clock_seconds(cell: str, order: str = "") -> float | None:
 
 def _of_date(match: re.Match[str], order: str) -> float | None:
     """Seconds of a date and time whose day, month and year stand in an order; None if there is no such day."""
-    a, b, c, hour, minute, second, fraction, half = match.groups()
+    a, b, c, hour, minute, second, fraction, half, *offset = match.groups()
     first = len(a) == 4 or (order == "ymd" and len(c) < 3)
     if len(a) == 4 and order == "mdy":
         b, c = c, b  # 2019-21-03: year, day and month
@@ -62,7 +63,13 @@ def _of_date(match: re.Match[str], order: str) -> float | None:
         )
     except ValueError:
         return None
-    return at.timestamp() + float(f"0.{fraction}" if fraction else 0)
+    return at.timestamp() + float(f"0.{fraction}" if fraction else 0) - _offset_s(*offset)
+
+
+def _offset_s(sign: str | None, hours: str | None, minutes: str | None) -> int:
+    """The offset of a stamp from UTC: it may change within a file, as at the change to summer time."""
+    seconds = 3600 * int(hours or 0) + 60 * int(minutes or 0)
+    return -seconds if sign == "-" else seconds
 
 
 def clock_column(path: Path, name: str, cells: Sequence[str], where: Sequence[int]) -> Array:

@@ -1,5 +1,6 @@
 """All findings on the data of one file: channels and columns."""
 
+import re
 from collections.abc import Mapping
 
 import numpy as np
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 from smarig.core import Array, Quality, shown
 from smarig.exchange.channel_faults import channel_findings, clipped
 from smarig.record import ImportFinding, remarks
+
+_NUMBERED = re.compile(r" \(\d+\)$")  # added to a name that stands in the header more than once
 
 
 def record_findings(
@@ -24,6 +27,12 @@ def record_findings(
     return out
 
 
+def _is_one_clock(a: str, b: str, x: Array) -> bool:
+    """Whether two columns of one name in the file rise: the clocks of tables side by side."""
+    same = _NUMBERED.sub("", a) == _NUMBERED.sub("", b)
+    return same and bool((np.diff(x[np.isfinite(x)]) > 0).all())
+
+
 def duplicate_columns(columns: Mapping[str, Array]) -> list[str]:
     """Findings on columns that hold the same numbers, possibly with another zero."""
     names = [n for n, x in columns.items() if np.isfinite(x).any() and np.nanmax(x) > np.nanmin(x)]
@@ -33,6 +42,8 @@ def duplicate_columns(columns: Mapping[str, Array]) -> list[str]:
             apart = columns[b] - columns[a]
             known = apart[np.isfinite(apart)]
             if known.size < 3 or np.ptp(known) > 1e-9 * np.ptp(columns[a][np.isfinite(columns[a])]):
+                continue
+            if _is_one_clock(a, b, columns[a]):
                 continue
             if np.abs(known).max() == 0:
                 out.append(f"Columns {shown(a)} and {shown(b)} are identical; one is a copy of the other.")

@@ -6,8 +6,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from smarig.core import Array
+from smarig.exchange.channel_faults import error_codes
 from smarig.exchange.text_table import Table
+from smarig.exchange.time_axis import unwrapped
 from smarig.exchange.value_bounds import check_size
 
 CLOCK, NUMBER, TEXT = "clock", "number", "text"
@@ -68,10 +72,18 @@ def found_columns(
     kinds: dict[str, str],
     comments: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[FoundColumn, ...]:
-    """The columns of a table that was read; DataError with the line for a value that is too large to be measured."""
+    """The columns of a table that was read, without codes of errors; DataError with the line for a value that is too
+    large to be measured.
+    """
     for name, values in table.columns.items():
         check_size(path, name, values, table.line, marks=True)
     return tuple(
-        FoundColumn(name, units.get(name, ""), values, kinds.get(name, NUMBER), comments.get(name, ""))
+        FoundColumn(
+            name,
+            units.get(name, ""),
+            unwrapped(np.where(error_codes(values), np.nan, values)),
+            kinds.get(name, NUMBER),
+            comments.get(name, ""),
+        )
         for name, values in table.columns.items()
     )

@@ -96,6 +96,11 @@ def header_rows(
     width = len(columns)
     above = _rows_above(rows, kinds, first, width)
     wide = [k for k in above if _fills(rows[k], width) or is_units_row(rows[k])]
+    if wide and len(rows[wide[0]]) < width and kinds[first - 1] == "text" and wide[0] < first - 1:
+        return (
+            None,
+            None,
+        )  # words of a start-up message, as another stands below them and they name fewer columns
     if not wide:
         return None, None
     for k, before in zip(wide, wide[1:]):

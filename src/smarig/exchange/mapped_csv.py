@@ -16,10 +16,24 @@ from smarig.exchange.mapping import Column, Condition, MappingFile, require_colu
 from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import Table, TableLayout
-from smarig.exchange.time_axis import check_time, joined_clock, merge_repeats, time_findings
+from smarig.exchange.time_axis import (
+    check_time,
+    counter_findings,
+    joined_clock,
+    merge_repeats,
+    time_findings,
+    unwrapped,
+)
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
-from smarig.exchange.value_bounds import check_bounds, check_size, check_strain, plausible, possible
+from smarig.exchange.value_bounds import (
+    check_bounds,
+    check_size,
+    check_strain,
+    plausible,
+    possible,
+    without_codes,
+)
 from smarig.record import OWN_ZERO, ImportFinding, remarks
 
 
@@ -38,6 +52,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
         header_line=f.header_line,
         units_rows=f.units_rows,
         interruptions=f.interruptions,
+        no_reading=f.no_reading,
         clock=mapping.time.column if mapping.time and mapping.time.written == "clock" else "",
         text=tuple(mapping.ignore),
     )
@@ -142,7 +157,10 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
         table, messages = _with_times_only(table, time.column)
     t_s = np.zeros(len(table))
     if time.column:
-        t_s = t_s + convert(table.columns[time.column], time.unit, "s")
+        written = table.columns[time.column]
+        counted = unwrapped(written)
+        messages += counter_findings(time.column, written, counted, table.line)
+        t_s = t_s + convert(counted, time.unit, "s")
     if time.fraction:
         t_s = t_s + convert(table.columns[time.fraction], time.fraction_unit, "s")
         t_s -= t_s[0] if time.written == "clock" else 0.0
@@ -239,7 +257,8 @@ def _channels(
         values = convert(_scaled(table, column), column.unit, unit)
         strain = unit if channel == "position" and _is_strain(mapping) else ""
         values, masked = possible(path, channel, column.column, values, table.line, strain)
-        notes += masked
+        values, codes = without_codes(column.column, values, table.columns[column.column], table.line)
+        notes += masked + codes
         if not np.isfinite(values).any():
             raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         out[channel] = np.array(values, dtype=float)
@@ -264,7 +283,10 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
         if column.value is not None:
             out[name] = {"unit": spelled(column.unit)} | dict.fromkeys(("mean", "min", "max"), column.value)
             continue
-        x = _scaled(table, column)
+        x, codes = without_codes(
+            column.column, _scaled(table, column), table.columns[column.column], table.line
+        )
+        messages += codes
         if not np.isfinite(x).any():
             raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))

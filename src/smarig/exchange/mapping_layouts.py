@@ -20,6 +20,7 @@ class TextLayout(TomlTable):
     table: int = Field(default=1, ge=1)  # number of the table in such a file, from 1
     tables: int = Field(default=1, ge=0)  # tables from there on that are one record; 0: all to the end
     interruptions: Literal["refuse", "leave out"] = "refuse"  # treatment of lines of text between the rows
+    no_reading: tuple[str, ...] = ()  # texts of cells that stand for no reading
 
 
 class MatLayout(TomlTable):
@@ -53,6 +54,7 @@ class WorkbookLayout(TomlTable):
     header_row: int = Field(default=1, ge=0)  # row of the names, from 1; 0: there is none, names gives them
     units_rows: int = Field(default=0, ge=0, le=10)  # rows under the header that are skipped, such as units
     names: tuple[str, ...] = ()  # names of the columns, in place of those in the header
+    no_reading: tuple[str, ...] = ()  # texts of cells that stand for no reading
 
 
 class Hdf5Layout(TomlTable):

@@ -2,39 +2,43 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from smarig.core import Array, number_from_text, shown
 
-# Graphtec: BURNOUT and +++++++, Keyence: -FFFFFFF, multimeters: OL and OVER
-_MARK = re.compile(r"[+-]?\s?(burn ?out|over|o\.?l|f{4,})|\+{2,}|-{4,}|\*{2,}", re.IGNORECASE)
+# Graphtec: BURNOUT and +++++++, Keyence: -FFFFFFF, multimeters: OL, OVER and --OL--, C libraries: inf and 1.#INF00
+_MARK = re.compile(
+    r"[+*-]*\s?(burn ?out|over|o\.?l|f{4,}|inf(inity)?|1[.,]#inf0*)\s?[+*-]*|\+{2,}|-{4,}|\*{2,}",
+    re.IGNORECASE,
+)
 _NUMBERS = (9.9e37, 9.91e37, 7.77777e99)  # SCPI: infinity and no number; HIOKI: overflow
 
 
 def is_mark(cell: str) -> bool:
     """Whether a cell is a word or a filled field that stands for no reading.
 
-    >>> is_mark("BURNOUT"), is_mark("+++++++"), is_mark("-FFFFFFF"), is_mark("+5.0"), is_mark("stroke")
-    (True, True, True, False, False)
+    >>> is_mark("BURNOUT"), is_mark("+++++++"), is_mark("--OL--"), is_mark("+Inf"), is_mark("+5.0"), is_mark("stroke")
+    (True, True, True, True, False, False)
     """
     return _MARK.fullmatch(cell) is not None
 
 
 def without_marks(x: Array) -> Array:
-    """The values (n,) with NaN for the numbers that instruments write where there is no reading.
+    """The values (n,) with NaN for the numbers, infinite ones too, that instruments write where there is no reading.
 
-    >>> without_marks(np.array([1.0, 7.77777e99, -9.9e37])).tolist()
-    [1.0, nan, nan]
+    >>> without_marks(np.array([1.0, 7.77777e99, -9.9e37, np.inf])).tolist()
+    [1.0, nan, nan, nan]
     """
-    return np.where(np.isin(np.abs(x), _NUMBERS), np.nan, x)
+    return np.where(np.isin(np.abs(x), _NUMBERS) | np.isinf(x), np.nan, x)
 
 
-def count_marks(cells: Mapping[str, Sequence[str]]) -> dict[str, Counter[str]]:
-    """How often each mark stands in the cells of the columns that have any."""
+def count_marks(cells: Mapping[str, Sequence[str]], others: Collection[str] = ()) -> dict[str, Counter[str]]:
+    """How often each mark, ``others`` too, stands in the cells of the columns that have any."""
     found = {
-        name: Counter(cell for cell in column if _stands_for_none(cell)) for name, column in cells.items()
+        name: Counter(cell for cell in column if cell in others or stands_for_none(cell))
+        for name, column in cells.items()
     }
     return {name: marks for name, marks in found.items() if marks}
 
@@ -48,12 +52,13 @@ def mark_notes(marks: Mapping[str, Counter[str]], rows: int) -> list[str]:
     ]
 
 
-def _stands_for_none(cell: str) -> bool:
+def stands_for_none(cell: str) -> bool:
+    """Whether a cell is a mark, or a number that stands for no reading."""
     if is_mark(cell):
         return True
     if "e" not in cell and "E" not in cell:  # most cells
         return False
     try:
-        return abs(number_from_text(cell.replace(",", "."))) in _NUMBERS
+        return bool(np.isnan(without_marks(np.array(number_from_text(cell.replace(",", "."))))))
     except ValueError:
         return False

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from smarig.core import Array, DataError
 from smarig.exchange import text_table
 from smarig.exchange.igor_text import is_igor_text
-from smarig.exchange.no_reading import is_mark, without_marks
+from smarig.exchange.no_reading import stands_for_none, without_marks
 from smarig.exchange.number_blocks import numbers_of
 from smarig.exchange.text_cells import TextCells, texts_of
 from smarig.exchange.text_table import HEADER_WITHIN, Table, TableLayout
@@ -56,6 +56,7 @@ def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
         layout.header_starts
         or layout.clock
         or layout.interruptions != "refuse"
+        or layout.no_reading  # they are counted in the whole table
         or path.stat().st_size > text_table.MAX_BYTES
     ):
         raise _UnusualError
@@ -133,7 +134,7 @@ def _parsed(
     if text_table.footer_start(lines, 0, len(head.names), head.delimiter, layout) is not None:
         raise _UnusualError  # it is told
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
-    if any(is_mark(cell) for row in cells for cell in row):
+    if any(stands_for_none(cell) for row in cells for cell in row):
         raise _UnusualError  # the marks are counted in the whole table
     written = {name: [row[k] for row in cells] for k, name in enumerate(head.names)}
     columns = {name: layout.column(path, name, column, where) for name, column in written.items()}

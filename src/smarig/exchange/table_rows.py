@@ -111,17 +111,43 @@ def footer_start(
 ) -> int | None:
     """The line, from 0, at which a text after the last row begins, as "Results:" does; None for a table up to the end.
 
-    Such a text begins with words that are not divided as rows are, and no line after it is mostly numbers.
+    Such a text begins with words that are not divided as rows are, or its rows begin with a word where the first row
+    has a value, as those of statistics do; no other row is mostly numbers after it.
     """
+    model = next((row for line in lines[first:] if (row := split(line, delimiter))), [])
     k = len(lines)
-    while k > first and not _mostly_numbers(split(lines[k - 1], delimiter), signs):
+    while k > first and not _is_row(split(lines[k - 1], delimiter), model, signs):
         k -= 1
     start = next((i for i in range(k, len(lines)) if lines[i].strip()), len(lines))
     if k <= first or start == len(lines) or lines[start].startswith("#"):
         return None
     row = split(lines[start], delimiter)
+    if is_labelled(row, model, signs):
+        return start
     divided = len(row) == width if delimiter is None else len(row) > 1
     return None if divided or not row or _is_value(row[0], signs) else start
+
+
+def rows_end(rows: Sequence[Sequence[str]], first: int, signs: Signs) -> int:
+    """The row after the last one of a table: rows of statistics below it are none of its own, nor are rows of texts."""
+    k = len(rows)
+    while k > first and (not _has_value(rows[k - 1], signs) or is_labelled(rows[k - 1], rows[first], signs)):
+        k -= 1
+    return k if k > first else len(rows)
+
+
+def _has_value(row: Sequence[str], signs: Signs) -> bool:
+    return any(cell and _is_value(cell, signs) for cell in row)
+
+
+def is_labelled(row: Sequence[str], model: Sequence[str], signs: Signs) -> bool:
+    """Whether the first filled cell of a row is a word, while the row ``model`` has a value there."""
+    j = next((j for j, cell in enumerate(row) if cell), len(model))
+    return j < len(model) and bool(model[j]) and _is_value(model[j], signs) and not _is_value(row[j], signs)
+
+
+def _is_row(row: Sequence[str], model: Sequence[str], signs: Signs) -> bool:
+    return _mostly_numbers(row, signs) and not is_labelled(row, model, signs)
 
 
 def _mostly_numbers(row: Sequence[str], signs: Signs) -> bool:

@@ -23,6 +23,8 @@ from smarig.exchange.header_rows import (
 from smarig.exchange.header_words import has_bracketed_units, words_below
 from smarig.exchange.interruptions import names_columns
 from smarig.exchange.number_style import NumberStyle
+from smarig.exchange.rare_texts import rare_texts
+from smarig.exchange.table_rows import rows_end
 from smarig.exchange.written_units import is_units_row, without_markup
 
 FEWEST_ROWS = 3  # of a table
@@ -35,7 +37,7 @@ class FoundBlock:
     ``names`` are unique; ``own_names`` says that they differ from the cells of the header. ``units`` are the cells of
     a row of units, "" where there is none, ``constants`` the numbers there by name ("Increment" of an oscilloscope),
     and ``comments`` those of the rows below it. ``kinds`` are those of the columns. ``breaks`` are the first rows after
-    lines of text between the rows.
+    lines of text between the rows, and ``no_reading`` the texts in few cells of columns of numbers.
     """
 
     header: int | None
@@ -48,6 +50,7 @@ class FoundBlock:
     comments: tuple[str, ...] = ()
     constants: tuple[tuple[str, str], ...] = ()
     breaks: tuple[int, ...] = ()
+    no_reading: tuple[str, ...] = ()
 
 
 def find_blocks(
@@ -72,7 +75,8 @@ def find_blocks(
             breaks.append(k)
         else:
             runs.append([k, k + 1])
-    found = [_block(rows, kinds, a, b, style, lines) for a, b in runs]
+    ends = [rows_end(rows[:b], a, style) for a, b in runs]
+    found = [_block(rows, kinds, a, b, style, lines) for (a, _), b in zip(runs, ends)]
     return [
         replace(block, breaks=tuple(k for k in breaks if block.first < k < block.stop))
         for block in found
@@ -171,14 +175,17 @@ def _block(
         return None
     above = header_cells(rows, kinds, first, width, style, lines)
     rows = [above.get(k, row) for k, row in enumerate(rows)]
-    columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(width))
+    cells = [[row[k] for row in data if k < len(row)] for k in range(width)]
+    texts = [rare_texts(column, style) for column in cells]
+    columns = tuple(NUMBER if t else _column_kind(column, style) for t, column in zip(texts, cells))
+    no_reading = tuple(dict.fromkeys(text for found in texts for text in found))
     header, unit_row = header_rows(rows, kinds, first, columns, style)
     end, listed = listed_names(rows, first, lines, width, style)
     stated = listed and has_bracketed_units(listed)
     plain = header is not None and (not stated or names_each(rows[header], width, style))
     if listed and (header is None or header < end or not plain):  # a header below the list counts
         names = unique_names(listed, width)[0]
-        return FoundBlock(None, first, stop, names, ("",) * width, columns, True)
+        return FoundBlock(None, first, stop, names, ("",) * width, columns, True, no_reading=no_reading)
     written = list(rows[header]) if header is not None else []
     below = rows[unit_row] if unit_row is not None else []
     if lines and header is not None and unit_row is not None and len(written) == width > len(below):
@@ -192,7 +199,16 @@ def _block(
     comments = _comments(rows[last + 1 : first], len(names)) if last is not None else ()
     constants = tuple((name, cell) for name, cell in zip(names, below) if is_number(cell, style.decimal))
     return FoundBlock(
-        header, first, stop, names, tuple(units[: len(names)]), columns, own, comments, constants
+        header,
+        first,
+        stop,
+        names,
+        tuple(units[: len(names)]),
+        columns,
+        own,
+        comments,
+        constants,
+        no_reading=no_reading,
     )
 
 

@@ -184,6 +184,7 @@ def _table(
         header_line=entries.get("header_line", 0),
         units_rows=entries.get("units_rows", 0),
         interruptions=entries.get("interruptions", "refuse"),
+        no_reading=block.no_reading,
         clock=clock,
         text=tuple(name for name, kind in kinds.items() if kind != "number" and name != clock),
     )
@@ -242,6 +243,8 @@ def _entries(
     entries: dict = {"delimiter": dialect.delimiter}
     if block.breaks:
         entries["interruptions"] = "leave out"
+    if block.no_reading:
+        entries["no_reading"] = list(block.no_reading)
     if dialect.style.decimal != ".":
         entries["decimal"] = dialect.style.decimal
     if dialect.style.thousands:

@@ -6,7 +6,7 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,7 +42,8 @@ class TableLayout:
     ``header_line`` is its line, from 1, where its columns do not identify it; ``units_rows`` rows under it are skipped.
     ``tables`` from the ``table``-th on are one record (0: all to the end).
     ``interruptions``: "leave out" for lines of text between the rows, which are an error otherwise.
-    ``clock`` is a column of clock times; cells of ``text`` columns that are no numbers are NaN.
+    ``clock`` is a column of clock times; cells of ``text`` columns that are no numbers are NaN, and so are those with
+    a text of ``no_reading``.
     """
 
     known: tuple[str, ...] = ()
@@ -56,6 +57,7 @@ class TableLayout:
     header_line: int = 0
     units_rows: int = 0
     interruptions: str = "refuse"
+    no_reading: tuple[str, ...] = ()
     clock: str = ""
     text: tuple[str, ...] = ()
 
@@ -70,7 +72,14 @@ class TableLayout:
         if name == self.clock:
             return clock_column(path, name, cells, where)
         return number_column(
-            path, name, cells, where, self.decimal, thousands=self.thousands, lenient=name in self.text
+            path,
+            name,
+            cells,
+            where,
+            self.decimal,
+            thousands=self.thousands,
+            lenient=name in self.text,
+            no_reading=self.no_reading,
         )
 
 
@@ -172,7 +181,7 @@ def _table(
         raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
     written = {name: [row[k] for row in rows] for k, name in enumerate(names)}
     columns = {name: layout.column(path, name, column, where) for name, column in written.items()}
-    notes += missing_notes(columns, written)
+    notes += missing_notes(columns, written, no_reading=layout.no_reading)
     return Table(columns, np.array(where, dtype=np.int64), preamble_keys(preamble), tuple(notes))
 
 
@@ -214,11 +223,12 @@ def missing_notes(
     columns: Mapping[str, Array],
     cells: Mapping[str, Sequence[str]] | None = None,
     texts: Mapping[str, TextCells] | None = None,
+    no_reading: Collection[str] = (),
 ) -> list[str]:
-    """Findings on cells without a number; ``cells`` as they are written, where marks may stand for no reading; else
-    ``texts`` found in them, which are neither empty nor numbers.
+    """Findings on cells without a number; ``cells`` as they are written, where marks and the texts ``no_reading`` may
+    stand for no reading; else ``texts`` found in them, which are neither empty nor numbers.
     """
-    marks = count_marks(cells or {})
+    marks = count_marks(cells or {}, no_reading)
     texts = texts_of(columns, cells or {}, marks, texts)
     counted = {name: marks[name].total() for name in marks}
     counted |= {name: counted.get(name, 0) + found.number for name, found in texts.items()}

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, shown
-from smarig.record import ImportFinding
+from smarig.record import ImportFinding, remarks
 
+_REGISTERS = (2.0**16, 2.0**32)  # numbers of values of a counter, as of milliseconds in a microcontroller
 Repeats = Literal["refuse", "mean", "keep_order"]
 
 
@@ -56,6 +57,37 @@ def joined_clock(name: str, t_s: Array, line: NDArray[np.int64]) -> tuple[Array,
         "was is not known."
     )
     return t_s + np.cumsum(later), [ImportFinding(text, "restarted clock")]
+
+
+def unwrapped(x: Array) -> Array:
+    """A counter (n,) that begins again from 0 after its highest value, continued; other columns as they are.
+
+    It is one if it rises but for falls as large as the range of a register, less a step that it makes elsewhere.
+
+    >>> unwrapped(np.array([65000.0, 65200.0, 65400.0, 64.0, 264.0])).tolist()
+    [65000.0, 65200.0, 65400.0, 65600.0, 65800.0]
+    """
+    step = np.diff(x)
+    falls = step < 0
+    if not falls.any() or falls.all() or not np.isfinite(x).all():
+        return x
+    least, most = step[~falls].min(), step[~falls].max()
+    for size in _REGISTERS:
+        over = step[falls] + size
+        if least > 0 and (over >= least).all() and (over <= most).all() and 0 <= x.min() <= x.max() < size:
+            return x + size * np.cumsum(np.concatenate([[False], falls]))
+    return x
+
+
+def counter_findings(name: str, wrapped: Array, x: Array, line: NDArray[np.int64]) -> list[ImportFinding]:
+    """A finding on a counter ``wrapped`` (n,) that was continued as ``x``."""
+    changed = np.flatnonzero(x != wrapped)
+    if not changed.size:
+        return []
+    return remarks(
+        f"{shown(name)} is a counter that began again from 0 in line {line[changed[0]]}, after its highest value; "
+        "it is continued."
+    )
 
 
 def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> list[ImportFinding]:

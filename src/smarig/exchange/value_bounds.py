@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, shown, spaced
+from smarig.exchange.channel_faults import error_codes
 from smarig.exchange.unit_conversion import convert
 from smarig.record import LARGEST, ImportFinding
 
@@ -19,7 +20,7 @@ _BOUNDS = {  # channel: (lowest, highest, unit), with a wide margin
     "temperature_degC": (-273.15, 1500.0, "degC"),
     "ambient_degC": (-90.0, 90.0, "degC"),
 }
-_FEW = 0.03  # of the readings: more impossible ones say that the unit is wrong
+FEW = 0.03  # of the readings: more impossible ones say that the unit is wrong
 _STRAIN_MAX = 0.2  # recoverable strain of shape-memory alloys is below 0.1
 _STRAIN_RANGE_MIN = 1e-3  # less than thermal expansion over 100 K
 
@@ -50,7 +51,7 @@ def possible(
     if not bad.any():
         return x, []
     count, readings = int(bad.sum()), x.size
-    if count > _FEW * readings:
+    if count > FEW * readings:
         check_bounds(path, channel, column, x, line)
         return x, []
     first = f"{x[bad][0]:g}{spaced(unit)} in line {line[bad][0]}"
@@ -76,6 +77,23 @@ def check_size(
             f"{path}, {where}, column {shown(column)}: {x[bad[0]]:g} is no measured value (at most {LARGEST:g}). "
             "Leave the cell empty if there was no reading."
         )
+
+
+def without_codes(
+    column: str, x: Array, written: Array, line: NDArray[np.int64]
+) -> tuple[Array, list[ImportFinding]]:
+    """The values (n,) with NaN for a code of an error that is repeated in single rows, and a finding on it; ``written``
+    are the values in the unit of the file.
+    """
+    codes = error_codes(np.where(np.isfinite(x), written, np.nan))
+    if not codes.any():
+        return x, []
+    values = " and ".join(f"{value:g}" for value in np.unique(written[codes]))
+    text = (
+        f"{int(codes.sum())} readings of {x.size} are masked: {values} in single rows, the first in line "
+        f"{line[codes][0]}, beyond all other readings (column {shown(column)})."
+    )
+    return np.where(codes, np.nan, x), [ImportFinding(text, "impossible readings")]
 
 
 def plausible(x: Array) -> Array:

@@ -7,6 +7,7 @@ file would take all memory.
 import re
 import zipfile
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from datetime import datetime, time, timedelta
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from smarig.exchange.found_table import CLOCK, NUMBER, FoundTable, found_columns
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import WorkbookLayout
 from smarig.exchange.needed_package import needed_package
+from smarig.exchange.table_rows import rows_end
 from smarig.exchange.table_structure import FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import Table, missing_notes, preamble_keys
 
@@ -58,11 +60,29 @@ def read_workbook(path: Path, mapping: MappingFile, layout: WorkbookLayout) -> T
     require_columns(mapping, list(names), path)
     clock = mapping.time.column if mapping.time and mapping.time.written == "clock" else ""
     first = layout.header_row + layout.units_rows
-    return _table(path, rows, first, len(rows), names, clock, tuple(mapping.ignore))
+    stop = rows_end(rows, first, _STYLE)
+    table = _table(path, rows, first, stop, names, clock, tuple(mapping.ignore), layout.no_reading)
+    return replace(table, notes=(*table.notes, *_footer_notes(rows, stop)))
+
+
+def _footer_notes(rows: _Rows, stop: int) -> list[str]:
+    """A finding on rows below the table."""
+    filled = [k for k in range(stop, len(rows)) if rows[k]]
+    if not filled:
+        return []
+    text = shown(" ".join(rows[filled[0]]), 40)
+    return [f"The rows from {filled[0] + 1} on ({text}) stand after the table."]
 
 
 def _table(
-    path: Path, rows: _Rows, first: int, stop: int, names: Sequence[str], clock: str, text: Sequence[str]
+    path: Path,
+    rows: _Rows,
+    first: int,
+    stop: int,
+    names: Sequence[str],
+    clock: str,
+    text: Sequence[str],
+    no_reading: Sequence[str],
 ) -> Table:
     data = [(k + 1, row) for k, row in enumerate(rows[first:stop], first) if any(row[: len(names)])]
     where = [k for k, _ in data]
@@ -75,21 +95,24 @@ def _table(
         columns[name] = (
             read(path, name, cells, where)
             if read
-            else number_column(path, name, cells, where, ".", lenient=name in text)
+            else number_column(path, name, cells, where, ".", lenient=name in text, no_reading=no_reading)
         )
     header = preamble_keys([": ".join(cell for cell in row if cell) for row in rows[: max(first - 1, 0)]])
-    return Table(columns, np.array(where, dtype=np.int64), header, tuple(missing_notes(columns, written)))
+    notes = missing_notes(columns, written, no_reading=no_reading)
+    return Table(columns, np.array(where, dtype=np.int64), header, tuple(notes))
 
 
 def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) -> FoundTable:
     kinds = dict(zip(block.names, block.kinds))
     clock = next((name for name, kind in kinds.items() if kind == CLOCK), "")
     text = [name for name, kind in kinds.items() if kind != NUMBER and name != clock]
-    table = _table(path, rows, block.first, block.stop, block.names, clock, text)
+    table = _table(path, rows, block.first, block.stop, block.names, clock, text, block.no_reading)
     header = -1 if block.header is None else block.header
     entries: dict[str, Any] = {"sheet": title, "header_row": header + 1}
     if block.own_names or block.header is None:
         entries["names"] = list(block.names)
+    if block.no_reading:
+        entries["no_reading"] = list(block.no_reading)
     if skipped := block.first - header - 1:
         entries["units_rows"] = skipped
     return FoundTable(

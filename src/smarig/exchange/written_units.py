@@ -51,6 +51,7 @@ def is_unit(text: str) -> bool:
 _FOREIGN = {  # spellings of other programs and languages
     "c": "degC",
     "stc": "degC",
+    "cel": "degC",  # as UCUM writes it
     "celsius": "degC",
     "deg.c": "degC",
     "deg c": "degC",

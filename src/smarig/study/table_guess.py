@@ -130,6 +130,7 @@ def guess_table(
         pairs, by_words = branches_by_words(columns, output), True
         columns = with_shared_input(columns, pairs)
     moving = [c for c in columns if c.facts.known.size > 1 and c.facts.span > 0 and c.facts.kind != "text"]
+    _check_named(table, {"input": input, "output": output}, columns, moving)
     candidates = [c for c in moving if c.name not in pairs.values()]
     roles: dict[str, Role] = {}
     time = _time([c for c in columns if c.name not in (input, output)])
@@ -210,6 +211,24 @@ def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool
     clock = [*guess.of_role("time"), *guess.of_role("fraction")]
     shared = {c.name: Role("ignored", "two branches share the rows", LIKELY) for c in clock}
     return replace(guess, branches=branches, backward=backward_branches(*ends), roles=guess.roles | shared)
+
+
+def _check_named(
+    table: FoundTable,
+    named: dict[str, str | None],
+    columns: Sequence[ColumnGuess],
+    moving: Sequence[ColumnGuess],
+) -> None:
+    """Raise UsageError, with the reason, for a column that the user named but that no loop can be made of."""
+    for role, name in named.items():
+        for c in (c for c in columns if c.name == name and c not in moving):
+            why = (
+                "some of its cells are texts"
+                if c.facts.kind == "text"
+                else "its value is the same in every row"
+            )
+            why = why if c.facts.known.size else "it holds no numbers"
+            raise UsageError(f"{table.path}: column {shown(c.name)} cannot be the {role}: {why}.")
 
 
 def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | None:
