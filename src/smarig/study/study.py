@@ -83,7 +83,6 @@ def study(
         except DataError as error:
             command = StudyCommand(paths, options, folder)
             raise DataError(f"{error}{other_columns(understood.guesses[0], command)}") from None
-        undetermined = undetermined_states(split, evaluation.plain)
         function = function_of_input(evaluation.best, split)
         diagnosis, why_not = (
             (None, "the output is a function of the input.")
@@ -97,6 +96,7 @@ def study(
             evaluation = with_diagnosed(evaluation, PROPORTIONAL_PART, model, split)
         if isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.verdict.word == "named":
             without_cause = rms_without_cause(evaluation, diagnosis.base_model, split)
+        undetermined = undetermined_states(split, evaluation.by_history)
         evaluation.best.model.save(folder / STUDY_MODEL, force=True)
     elif found is None:
         heating = _heating(tables)
