@@ -269,7 +269,7 @@ def test_an_effect_whose_strength_may_be_0_is_a_possible_cause(monkeypatch, shif
     )
     said = finding_sentence(d, at_noise=False)
     if shifts == "one that may be 0":
-        possible = "A possible cause: input_offset (the loops of runs are shifted) by "
+        possible = "A possible cause: input_offset (the loops of runs are shifted): "
         assert said.startswith(possible)
         assert said.endswith("(−4.9 to 0.02), which may be 0.")
     else:

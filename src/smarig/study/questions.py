@@ -84,8 +84,8 @@ def assumed_unit(guess: TableGuess, command: StudyCommand) -> str:
     names = " and ".join(shown(typed_name(guess.table, c.name)) for c in assumed)
     units = [unit for unit in q.USUAL_UNITS[q.TEMPERATURE] if unit != assumed[0].unit]
     answers = ({f"unit {c.name}": unit for c in assumed} for unit in units)
-    said = f"The file states no unit of {names}: {display_unit(assumed[0].unit)} is assumed."
-    return said + _listed(" If it is another, name it", guess, command, answers)
+    sentence = f"The file states no unit of {names}: {display_unit(assumed[0].unit)} is assumed."
+    return sentence + _listed(" If it is another, name it", guess, command, answers)
 
 
 def other_columns(guess: TableGuess, command: StudyCommand) -> str:

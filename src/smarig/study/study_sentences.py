@@ -222,7 +222,7 @@ def _effect(name: str, summary: str, parameters: dict) -> str:
     strengths = ", ".join(_strength(k, p) for k, p in searched.items())
     if _may_be_none(searched):
         what = f"{summary[:1].lower()}{summary[1:].removesuffix('.')}"
-        return f"A possible cause: {name} ({what}) by {strengths}, which may be 0."
+        return f"A possible cause: {name} ({what}): {strengths}, which may be 0."
     size = f" {capitalised(strengths)}." if strengths else ""
     return f"A cause was found: {name}. {summary}{size}"
 
