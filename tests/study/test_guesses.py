@@ -8,7 +8,7 @@ import pytest
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import Verdict
 from smarig.exchange import FoundColumn, FoundTable, find_tables, load_mapping
-from smarig.study import candidate_models, guess_table, mapping_draft
+from smarig.study import candidate_models, guess_table, mapping_draft, study_sentences
 from smarig.study.study_sentences import finding_sentence
 from study.known_data import displacements, temperatures
 
@@ -243,6 +243,37 @@ def test_a_learned_term_is_told_beside_what_no_effect_explains(variable):
     assert sentence(object()).endswith(
         "explains them; a term learned from them describes a part, without a cause."
     )
+
+
+SHIFTS = {
+    "one that may be 0": [(-4.9, 0.02)],
+    "sure": [(-4.9, -3.1)],
+    "one of two": [(-0.3, 0.2), (2.1, 2.4)],
+}
+
+
+@pytest.mark.parametrize("shifts", SHIFTS)
+def test_an_effect_whose_strength_may_be_0_is_a_possible_cause(monkeypatch, shifts):
+    parameters = {
+        f"run {k}": {"value": sum(ends) / 2, "ci95": list(ends), "unit": "N"}
+        for k, ends in enumerate(SHIFTS[shifts])
+    }
+    kind = SimpleNamespace(name="input_offset", summary="The loops of runs are shifted.")
+    monkeypatch.setattr(study_sentences, "MeasuredDiagnosis", SimpleNamespace)
+    d = SimpleNamespace(
+        verdict=SimpleNamespace(word="named", depends_on="", names=("drift",)),
+        best=SimpleNamespace(effects=[SimpleNamespace(kind=kind)]),
+        effects=lambda: [{"name": "input_offset", "parameters": parameters}],
+        offsets=(),
+        lines=lambda: ["-"],
+    )
+    said = finding_sentence(d, at_noise=False)
+    if shifts == "one that may be 0":
+        possible = "A possible cause: input_offset (the loops of runs are shifted): "
+        assert said.startswith(possible)
+        assert said.endswith("(−4.9 to 0.02), which may be 0.")
+    else:
+        assert said.startswith("A cause was found: input_offset. The loops of runs are shifted. ")
 
 
 def test_a_cause_that_the_design_confounds_is_told_with_the_reason_and_not_denied():

@@ -78,6 +78,33 @@ def test_a_printed_command_works(tmp_path, capsys):
     assert (tmp_path / "a b" / "index.html").is_file()
 
 
+@pytest.mark.parametrize(
+    ("columns", "others"), [({"T": U}, ["K", "degF"]), ({"Temp": U + 273}, ["degC", "degF"])]
+)
+def test_a_temperature_in_an_assumed_unit_is_told_with_commands_that_state_it(
+    tmp_path, capsys, columns, others
+):
+    path = file_of(tmp_path, {"t (s)": K, **columns, "x (mm)": Y})
+    (name,) = columns
+    assert run(["study", str(path), "--no-diagnosis", "-o", str(tmp_path / "a b")]) == 0
+    out, err = capsys.readouterr()
+    assert f"{name}: input, {'K' if name == 'Temp' else 'degC'} assumed" in err
+    (said,) = [line for line in out.splitlines() if "is assumed" in line]
+    commands = [f"study {part.rstrip('.; ')}" for part in said.split("smarig study ")[1:]]
+    assert [shlex.split(c)[3] for c in commands] == [f"{name}={unit}" for unit in others]
+    assert run(shlex.split(commands[0])) == 0
+    out, err = capsys.readouterr()
+    assert f"{name}: input in {others[0]}" in err
+    assert "assumed" not in out
+
+
+@pytest.mark.parametrize("name", ["T (degC)", "T_C", "T / K"])
+def test_a_stated_temperature_is_not_assumed(tmp_path, name):
+    path = file_of(tmp_path, {"t (s)": K, name: U, "x (mm)": Y})
+    result = study([path], tmp_path / "out", StudyOptions(diagnose=False))
+    assert result.assumed == ""
+
+
 def test_an_output_that_does_not_follow_is_refused_with_the_others(tmp_path):
     drift = 0.001 * K + np.cos(K / 4.3)  # moves, but not with the input
     path = file_of(tmp_path, {"t (s)": K, "T (degC)": U, "Stroke (mm)": drift, "R (ohm)": 2 + 0.1 * Y})

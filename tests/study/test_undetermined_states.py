@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from smarig.study import study
+from smarig.study.candidate_models import PROPORTIONAL_PART
 from smarig.study.study_options import StudyOptions
 
 PATHS = {
@@ -157,3 +158,24 @@ def test_part_of_an_error_may_be_missing_knowledge(tmp_path):
     assert not found.explains
     assert any("missing knowledge:" in s for s in result.sentences())
     assert not any("no change" in s for s in result.sentences())
+
+
+def test_a_part_proportional_to_the_input_hides_no_missing_knowledge(tmp_path):
+    """No measure has that part: what a plain model misses everywhere is no reason to see no new error."""
+    u = path(PATHS["inner turn"])
+    result = studied(tmp_path, u, output("drawn", u) - 0.006 * u, diagnose=True)
+    assert result.evaluation is not None
+    assert result.evaluation.best.name == PROPORTIONAL_PART
+    assert not result.evaluation.plain.misses_held_out
+    assert result.undetermined is not None
+    assert result.undetermined.explains
+    assert not any("changed" in s for s in result.reasons)
+
+
+@pytest.mark.long("takes ten seconds")
+def test_a_part_proportional_to_the_input_excuses_no_change(tmp_path):
+    u = path((25, 95, 25, 95, 25, 95, 50, 90, 25))
+    y = output("drawn", u) - 0.006 * u
+    y[u.size * 3 // 5 :] += 0.3
+    result = studied(tmp_path, u, y, diagnose=True)
+    assert result.undetermined is None or not result.undetermined.explains

@@ -27,9 +27,20 @@ def test_all_figures_come_from_the_same_cycles():
     assert mean["width"] == pytest.approx(middle, abs=1e-9)
     assert mean["M_s"] == pytest.approx(50 - 3.0, abs=0.1)
     assert any(
-        "All figures are those of cycles 2 to 3; cycle 1 lacks A_s, A_f" in note for note in found.notes
+        note == "All figures are those of cycles 2 to 3; cycle 1 has no A_s and A_f." for note in found.notes
     )
     assert "means over cycles 2 to 3" in str(transformation_temperatures(found.run))
+
+
+def test_what_each_of_the_other_cycles_lacks_is_said_of_it_alone():
+    """The second of four cycles cools without a change, the others after the first heat without one."""
+    u, y = (part.reshape(4, 2, U.size).copy() for part in cycles(4, 0.0))
+    y[1, 1] = y[1, 0, -1]
+    y[2:, 0] = y[2:, 1, :1]
+    found = run_figures(run_of(u.ravel(), y.ravel()))
+    assert found.averaged == (1,)
+    said = "All figures are those of cycle 1; cycle 2 has no M_s and M_f; cycles 3 to 4 have no A_s and A_f."
+    assert said in found.notes
 
 
 def test_three_cycles_that_scatter_have_no_drift_and_say_why():

@@ -105,6 +105,11 @@ class Evaluation:
         """The best candidate without a load and without effects, which a diagnosis starts from."""
         return next((c for c in self.candidates if c.name not in _NOT_PLAIN), self.best)
 
+    @property
+    def by_history(self) -> CandidateModel:
+        """The best candidate that follows from the history of the input alone: without a load and without causes."""
+        return self.best if self.best.name == PROPORTIONAL_PART else self.plain
+
 
 def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
     """Fit and judge the candidates, and simple curves beside them. DataError if no model can be identified."""

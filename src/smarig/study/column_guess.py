@@ -44,6 +44,7 @@ class ColumnGuess:
     stated_by: Literal["", "name", "unit", "clock"] = (
         ""  # what says the quantity; "": its numbers, or nothing
     )
+    unit_by_numbers: bool = False  # neither the file nor the user states the unit
 
     @property
     def name(self) -> str:
@@ -52,8 +53,11 @@ class ColumnGuess:
 
     @property
     def unit_is_assumed(self) -> bool:
-        """Whether neither the file nor the user states the unit, and the numbers do not tell it."""
-        return bool(self.unit) and self.unit_confidence <= WEAK
+        """Whether neither the file nor the user states the unit, and the numbers do not tell it: those of a temperature
+        are plausible in several.
+        """
+        plausible = self.unit_by_numbers and self.quantity in (q.TEMPERATURE, q.AMBIENT)
+        return bool(self.unit) and (self.unit_confidence <= WEAK or plausible)
 
     @property
     def by_numbers(self) -> bool:
@@ -76,7 +80,14 @@ class ColumnGuess:
             unit_reason="",
             unit_confidence=0.0,
             stated_by="",
+            unit_by_numbers=False,
         )
+
+    def with_stated_unit(self) -> "ColumnGuess":
+        """The guess with its unit only if the file or the user states one of numbers."""
+        if self.facts.known.size and not self.unit_by_numbers:
+            return self
+        return replace(self, unit="", unit_reason="", unit_confidence=0.0, unit_by_numbers=False)
 
     def corrected(self, unit: str) -> "ColumnGuess":
         """The guess with a unit that the user gave."""
@@ -92,6 +103,7 @@ class ColumnGuess:
             unit=unit,
             unit_reason="given by you",
             unit_confidence=1.0,
+            unit_by_numbers=False,
             quantity_confidence=max(meant.quantity_confidence, LIKELY if meant.quantity else 0.0),
         )
 
@@ -189,7 +201,9 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
             out.append(guess)
         elif f.even and f.whole and f.rising and f.step != 1 and k == 0 and _is_log(guesses):
             found = _found(guess, q.TIME, f"rises in equal steps of {f.step:g}, in the first column", LIKELY)
-            out.append(replace(found, unit="s", unit_reason=_ANY_TIME, unit_confidence=NONE))
+            out.append(
+                replace(found, unit="s", unit_reason=_ANY_TIME, unit_confidence=NONE, unit_by_numbers=True)
+            )
         elif f.rising and f.whole and f.even and f.low >= 0:
             out.append(_found(guess, q.INDEX, "whole numbers that rise evenly", LIKELY))
         elif (
@@ -391,4 +405,4 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
     if guess.unit_reason:  # the file states a unit, but an unknown one: an assumption would contradict it
         by_range = guess.quantity in (q.TEMPERATURE, q.AMBIENT)
         reason, sure = f"{guess.unit_reason}; taken as {unit}", WEAK if by_range else NONE
-    return replace(guess, unit=unit, unit_reason=reason, unit_confidence=sure)
+    return replace(guess, unit=unit, unit_reason=reason, unit_confidence=sure, unit_by_numbers=True)

@@ -114,4 +114,5 @@ def _with_displacement(out: ColumnGuess, drive: ColumnGuess) -> ColumnGuess:
         unit="mm",
         unit_reason=ASSUMED,
         unit_confidence=displacement_confidence(out),
+        unit_by_numbers=True,
     )

@@ -34,7 +34,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         r"heat ?fl(ow|ux)|\bdsc\b|w(ae|a)rme(strom|fluss)|(flux|debit) (de chaleur|thermique)|flujo de calor",
     ),
     (AMBIENT, r"ambien|room|umgebung|raumtemp|\bt ?amb|t ?room|air ?temp"),
-    (CYCLE, r"cycle (no|num|count|index)|^cycle$|^zyklus|^loop$|segment"),
+    (CYCLE, r"cycle (no|num|count|index)|^cycle$|\bcycles$|^zyklus|^loop$|segment"),
     (
         INDEX,
         r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",

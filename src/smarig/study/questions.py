@@ -7,6 +7,7 @@ from itertools import islice, product
 from pathlib import Path
 
 from smarig.core import shown
+from smarig.report import display_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess
 from smarig.study.signal_columns import holds_still, is_noise
@@ -36,6 +37,7 @@ class StudyCommand:
             unit = f"{typed_name(guess.table, name)}={value}"
             words += [f"--{key}", typed_name(guess.table, value)] if key in _ROLES else ["--unit", unit]
         words += ["--split", self.options.split] if self.options.split != "auto" else []
+        words += ["--yes"] if self.options.accept else []
         words += [] if self.options.diagnose else ["--no-diagnosis"]
         return shlex.join([*words, "-o", str(self.out or guess.table.path.stem)])
 
@@ -72,6 +74,18 @@ def answering(guess: TableGuess, command: StudyCommand) -> str:
     usual = [q.USUAL_UNITS.get(c.quantity, (c.unit or "1",)) for c in columns]
     answers = (dict(zip(units, chosen)) for chosen in product(*usual))
     return _listed(" Each of these commands answers it", guess, command, answers)
+
+
+def assumed_unit(guess: TableGuess, command: StudyCommand) -> str:
+    """That the unit of temperatures is assumed, with the commands that state another; "" if the file states it."""
+    assumed = [c for c in guess.columns if c.quantity in (q.TEMPERATURE, q.AMBIENT) and c.unit_is_assumed]
+    if not assumed or command.options.mapping is not None:
+        return ""
+    names = " and ".join(shown(typed_name(guess.table, c.name)) for c in assumed)
+    units = [unit for unit in q.USUAL_UNITS[q.TEMPERATURE] if unit != assumed[0].unit]
+    answers = ({f"unit {c.name}": unit for c in assumed} for unit in units)
+    sentence = f"The file states no unit of {names}: {display_unit(assumed[0].unit)} is assumed."
+    return sentence + _listed(" If it is another, name it", guess, command, answers)
 
 
 def other_columns(guess: TableGuess, command: StudyCommand) -> str:

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from smarig.core import Array
 from smarig.study import quantity_words as q
-from smarig.study.column_guess import UNSURE, ColumnGuess
+from smarig.study.column_guess import STATED, UNSURE, ColumnGuess
 from smarig.study.physical_roles import leads
 from smarig.study.strain_columns import axial_strain
 from smarig.study.thermometer_places import distance
@@ -26,8 +27,8 @@ _OUTPUTS = (
     q.HEAT_FLOW,
 )
 _INPUTS = {
-    q.MOMENT: (q.FIELD, q.CURRENT, q.VOLTAGE, q.TEMPERATURE),
-    q.MAGNETISATION: (q.FIELD, q.CURRENT, q.VOLTAGE, q.TEMPERATURE),
+    q.MOMENT: (q.FIELD, q.TEMPERATURE, q.CURRENT, q.VOLTAGE),
+    q.MAGNETISATION: (q.FIELD, q.TEMPERATURE, q.CURRENT, q.VOLTAGE),
     q.FLUX: (q.FIELD, q.CURRENT, q.VOLTAGE),
     q.POLARISATION: (q.ELECTRIC_FIELD, q.VOLTAGE, q.FIELD),
     q.STRESS: (q.TEMPERATURE, q.STRAIN),
@@ -35,18 +36,20 @@ _INPUTS = {
     q.CHARGE: (q.VOLTAGE, q.ELECTRIC_FIELD, q.CURRENT, q.TEMPERATURE),
     q.VOLTAGE: (q.CHARGE, q.TEMPERATURE),
 }
-_MECHANICAL = (
+_MECHANICAL = (  # what was measured at the specimen, before the current or voltage that causes it
     q.TEMPERATURE,
+    q.FIELD,
+    q.FLUX,
     q.CURRENT,
     q.ELECTRIC_FIELD,
     q.VOLTAGE,
-    q.FIELD,
     q.POWER,
     q.DUTY,
     q.STRESS,
     q.FORCE,
     q.PRESSURE,
 )
+_SENSOR_SIGNALS = (q.VOLTAGE, q.CURRENT)
 _STRESS_SHARE = 0.5  # of the mean: spread within which a stress was held
 _FORCE_SHARE = 0.1  # the same for a force
 _HELD_K = 5.0  # the same for a temperature
@@ -102,6 +105,7 @@ def input_column(
     if named is not None:
         return next((c for c in left if c.name == named), None)
     able = [c for c in left if c is not out and not holds_still(c)]
+    able = [c for c in able if out is None or not is_signal_of(c, out)]
     order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
     swept = [c for c in able if not is_noise(c) and (not c.facts.constant or c.quantity == q.TEMPERATURE)]
     return _input_among(swept, order) or _input_among(able, order)
@@ -112,12 +116,17 @@ def _input_among(able: Sequence[ColumnGuess], order: Sequence[str]) -> ColumnGue
     if any(is_grid(c) for c in currents):
         order = (q.CURRENT, *order)
     for quantity in order:
-        found = [c for c in able if c.quantity == quantity]
+        found = [c for c in able if c.quantity == quantity and (quantity != q.FLUX or _is_stated(c))]
         if found:
             places = {c.name: distance(c) if quantity == q.TEMPERATURE else 0 for c in found}
             return min(found, key=lambda c: (c.commanded or is_grid(c), places[c.name], able.index(c)))
     nameless = [c for c in able if not c.quantity]
     return nameless[0] if nameless else None
+
+
+def _is_stated(c: ColumnGuess) -> bool:
+    """Whether both the name and the unit say the quantity: a letter such as B alone may name anything."""
+    return c.quantity_confidence >= STATED
 
 
 def is_grid(c: ColumnGuess) -> bool:
@@ -145,5 +154,26 @@ def holds_still(c: ColumnGuess) -> bool:
 
 def is_noise(c: ColumnGuess) -> bool:
     """Whether the motion of a column is its scatter: each value differs from the next as from any other."""
-    x = c.facts.known
+    return _scatters(c.facts.known)
+
+
+def _scatters(x: Array) -> bool:
     return bool(x.size > 10 and np.std(np.diff(x)) > np.std(x))
+
+
+def is_signal_of(c: ColumnGuess, out: ColumnGuess) -> bool:
+    """Whether a voltage or current is the signal of the sensor of the output: a line between them, to within noise or
+    their resolution, leaves no hysteresis.
+    """
+    known = np.isfinite(c.facts.values) & np.isfinite(out.facts.values)
+    x, y = out.facts.values[known], c.facts.values[known]
+    if c.quantity not in _SENSOR_SIGNALS or is_noise(c) or x.size < 3 or not np.ptp(x):
+        return False  # of readings in random order, the rest scatters as well
+    slope = float(np.cov(x, y)[0, 1] / np.var(x, ddof=1))
+    rest = y - y.mean() - slope * (x - x.mean())
+    return _scatters(rest) or bool(np.ptp(rest) <= _resolution(y) + abs(slope) * _resolution(x))
+
+
+def _resolution(x: Array) -> float:
+    """The least difference of two values."""
+    return float(np.diff(np.unique(x)).min(initial=np.inf))

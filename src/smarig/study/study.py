@@ -28,7 +28,7 @@ from smarig.study.imported_runs import ImportedTable, file_title, import_tables
 from smarig.study.mapping_draft import mapping_draft
 from smarig.study.named_lag import named_lag
 from smarig.study.plane_model import refuse_plane_tables
-from smarig.study.questions import StudyCommand, other_columns
+from smarig.study.questions import StudyCommand, assumed_unit, other_columns
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.study_page import study_page
@@ -62,6 +62,7 @@ def study(
     if not paths:
         raise UsageError("Name at least one file to study.")
     name = name or (file_title(paths[0]) if len(paths) == 1 else folder.name or "study")
+    command = StudyCommand(paths, options, folder)
     with unchanged(paths):
         key = study_key(paths, options)
         folder.mkdir(parents=True, exist_ok=True)
@@ -81,9 +82,7 @@ def study(
         try:
             evaluation = evaluate(split, progress)
         except DataError as error:
-            command = StudyCommand(paths, options, folder)
             raise DataError(f"{error}{other_columns(understood.guesses[0], command)}") from None
-        undetermined = undetermined_states(split, evaluation.plain)
         function = function_of_input(evaluation.best, split)
         diagnosis, why_not = (
             (None, "the output is a function of the input.")
@@ -97,6 +96,7 @@ def study(
             evaluation = with_diagnosed(evaluation, PROPORTIONAL_PART, model, split)
         if isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.verdict.word == "named":
             without_cause = rms_without_cause(evaluation, diagnosis.base_model, split)
+        undetermined = undetermined_states(split, evaluation.by_history)
         evaluation.best.model.save(folder / STUDY_MODEL, force=True)
     elif found is None:
         heating = _heating(tables)
@@ -119,6 +119,7 @@ def study(
         else None,
         calorimetry=found,
         function=function,
+        assumed=assumed_unit(understood.guesses[0], command),
         seconds=time.monotonic() - started,
         key=key,
         mapping=options.mapping,

@@ -230,7 +230,7 @@ def _columns(result: StudyResult) -> Iterator[Html]:
 def _rows(guess: TableGuess) -> Iterator[Sequence[str]]:
     for c in guess.columns:
         role, f = guess.shown_role(c.name), c.facts
-        unit = f"{display_unit(c.unit)}" + (" (assumed)" if c.unit and c.unit_confidence <= 0.5 else "")
+        unit = f"{display_unit(c.unit)}" + (" (assumed)" if c.unit_is_assumed else "")
         why = role.reason + (
             f"; unit: {c.unit_reason}" if c.unit_reason and c.unit_confidence < STATED else ""
         )

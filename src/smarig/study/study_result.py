@@ -82,7 +82,7 @@ class StudyResult:
     named cause, in the measure of ``evaluation``; None without one. ``transformation``: None for an input that is no
     temperature. ``undetermined``: what the fitted data leave open, if the held-out error is that. ``calorimetry``: what
     curves of heat flow show; None for any other output. ``function``: the output as a function of the input; None for
-    data that show hysteresis.
+    data that show hysteresis. ``assumed``: which unit is, and how to state another; "" for none.
     """
 
     name: str
@@ -104,6 +104,7 @@ class StudyResult:
     undetermined: UndeterminedStates | None = None
     calorimetry: Calorimetry | None = None
     function: FunctionOfInput | None = None
+    assumed: str = ""
 
     @property
     def unit(self) -> str:
@@ -311,6 +312,7 @@ class StudyResult:
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
         found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
+        found += [self.assumed] if self.assumed else []
         found += self._elsewhere()[:1]  # the others are in the table of the columns
         found += mended(self.tables)
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)

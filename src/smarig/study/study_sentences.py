@@ -213,13 +213,24 @@ def _learned_instead(d: CommandedDiagnosis | MeasuredDiagnosis) -> str:
 def _effects(d: MeasuredDiagnosis) -> list[str]:
     """Each effect found: its name, what it is, and its strength with an interval."""
     summaries = {e.kind.name: e.kind.summary for e in d.best.effects} if d.best else {}
-    found = []
-    for effect in d.effects():
-        name = effect["name"]
-        strengths = [_strength(k, p) for k, p in effect["parameters"].items() if k != "reference"]
-        size = f" {capitalised(', '.join(strengths))}." if strengths else ""
-        found.append(f"A cause was found: {name}. {summaries.get(name, '')}{size}")
-    return found
+    return [_effect(e["name"], summaries.get(e["name"], ""), e["parameters"]) for e in d.effects()]
+
+
+def _effect(name: str, summary: str, parameters: dict) -> str:
+    """An effect as the cause, or as a possible one if the data do not exclude that its strength is 0."""
+    searched = {k: p for k, p in parameters.items() if k != "reference"}
+    strengths = ", ".join(_strength(k, p) for k, p in searched.items())
+    if _may_be_none(searched):
+        what = f"{summary[:1].lower()}{summary[1:].removesuffix('.')}"
+        return f"A possible cause: {name} ({what}): {strengths}, which may be 0."
+    size = f" {capitalised(strengths)}." if strengths else ""
+    return f"A cause was found: {name}. {summary}{size}"
+
+
+def _may_be_none(parameters: dict) -> bool:
+    """Whether every interval of an effect contains 0: of a shift for each run, one may be sure."""
+    ends = [p["ci95"] for p in parameters.values() if p["ci95"] and None not in p["ci95"]]
+    return bool(ends) and all(low <= 0 <= high for low, high in ends)
 
 
 def _strength(name: str, parameter: dict) -> str:

@@ -196,7 +196,14 @@ def guess_table(
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
     scale, sign = _sign(drive, out)
-    return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
+    shown_columns = tuple(_as_used(c, guess) for c in guess.columns)
+    return replace(guess, columns=shown_columns, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
+
+
+def _as_used(c: ColumnGuess, guess: TableGuess) -> ColumnGuess:
+    """A column, without a unit that nobody states if it is not used."""
+    unused = guess.shown_role(c.name).role == "ignored"
+    return c.with_stated_unit() if unused else c
 
 
 def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
@@ -388,7 +395,8 @@ def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
         return f"{c.quantity}: {c.quantity_reason}"
     if c.quantity == q.TIME and c.facts.levels > 1:
         return "another time" if c.facts.rising else "a time that runs backwards, so it is no clock"
-    if out is not None and c.quantity == out.quantity and not is_noise(c):
+    known = "" if c.by_numbers else c.quantity
+    if out is not None and known == out.quantity != "" and not is_noise(c):
         return f"another {c.quantity} than the output {shown(out.name)}"
     if c.commanded and c.quantity == q.TEMPERATURE:
         return "a set-point: it was not measured"
@@ -396,7 +404,7 @@ def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
         return f"nearly constant at {np.mean(c.facts.known):.4g}"
     if is_noise(c):
         return "it differs from row to row, as noise does"
-    return f"{c.quantity}, not needed" if c.quantity else "its meaning is not clear, and it is not needed"
+    return f"{known}, not needed" if known else "its meaning is not clear, and it is not needed"
 
 
 def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, str]:

@@ -278,7 +278,10 @@ def _as_found(again: TableGuess, own: TableGuess, options: StudyOptions) -> tupl
         else:
             out.append(
                 replace(
-                    c, unit_reason="as in the other tables", unit_confidence=before[c.name].unit_confidence
+                    c,
+                    unit_reason="as in the other tables",
+                    unit_confidence=before[c.name].unit_confidence,
+                    unit_by_numbers=before[c.name].unit_by_numbers,
                 )
             )
     return tuple(out)

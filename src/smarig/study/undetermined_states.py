@@ -10,7 +10,7 @@ from smarig.diagnosis import RULES, inputs_of_error, missing_share
 from smarig.identification import RunVerification, identify, verify
 from smarig.record import Run
 from smarig.report import display_unit, number
-from smarig.study.candidate_models import CandidateModel
+from smarig.study.candidate_models import PROPORTIONAL_PART, CandidateModel
 from smarig.study.data_split import DataSplit
 from smarig.study.input_turns import wide_turns
 
@@ -55,10 +55,13 @@ class UndeterminedStates:
 
 
 def undetermined_states(split: DataSplit, plain: CandidateModel) -> UndeterminedStates | None:
-    """What the fitted data leave open and the held-out data need; None if that is not where the error lies."""
+    """What the fitted data leave open and the held-out data need; None if that is not where the error lies.
+
+    ``plain`` may have a part proportional to the input: the rest of the output is then that of a measure.
+    """
     if split.kind not in ("run", "time") or not plain.misses_held_out:
         return None
-    runs = [*split.train, *split.held_out]
+    runs = [_of_measure(plain, run) for run in (*split.train, *split.held_out)]
     try:
         found = _of_one_model(runs)
         if len(found) < len(runs):
@@ -79,6 +82,14 @@ def undetermined_states(split: DataSplit, plain: CandidateModel) -> Undetermined
 def _of_one_model(runs: Sequence[Run]) -> tuple[RunVerification, ...]:
     """The runs as one model of all of them predicts them, without those of which it predicts nothing."""
     return verify(identify(runs, surface="positive").model, runs).runs
+
+
+def _of_measure(plain: CandidateModel, run: Run) -> Run:
+    """The run without the part of its output that is proportional to the input: no measure has it."""
+    if plain.name != PROPORTIONAL_PART:
+        return run
+    (slope,) = plain.model.measurement["amplitudes"]
+    return replace(run, columns={**run.columns, "position": run["position"] - slope * run["input"]})
 
 
 def _within(plain: CandidateModel, run: Run) -> Run:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from smarig.transformation.cycle_figures import FIGURES, CycleFigures
+from smarig.transformation.cycle_figures import FIGURES, TEMPERATURES, CycleFigures
 
 _SAME_END = 0.05  # of the temperature's range: the ends of comparable cycles differ by less from their median
 _FEWEST = 3
@@ -26,16 +26,29 @@ def complete_cycles(cycles: Sequence[CycleFigures]) -> list[CycleFigures]:
 
 
 def left_out_note(cycles: Sequence[CycleFigures], averaged: Sequence[CycleFigures]) -> Iterator[str]:
-    """A sentence with the cycles that the means leave out."""
+    """A sentence with the cycles that the means leave out, and what each of them lacks."""
     used = {c.number for c in averaged}
-    rest = [c for c in cycles if c.number not in used]
-    if rest:
-        names = {n for c in averaged for n in c.figures}
-        missing = [n for n in FIGURES if n in names and any(n not in c.figures for c in rest)]
-        yield (
-            f"All figures are those of {cycles_text(sorted(used))}; {cycles_text([c.number for c in rest])} "
-            f"lack{'s' if len(rest) == 1 else ''} {', '.join(missing)}."
-        )
+    names = [n for n in FIGURES if any(n in c.figures for c in averaged)]
+    by_missing: dict[tuple[str, ...], list[int]] = {}
+    for c in cycles:
+        if c.number not in used:
+            by_missing.setdefault(_missing(c, names), []).append(c.number)
+    if by_missing:
+        lacking = [
+            f"{cycles_text(numbers)} {'has' if len(numbers) == 1 else 'have'} no {_in_words(missing)}"
+            for missing, numbers in by_missing.items()
+        ]
+        yield f"All figures are those of {cycles_text(sorted(used))}; {'; '.join(lacking)}."
+
+
+def _missing(cycle: CycleFigures, names: Sequence[str]) -> tuple[str, ...]:
+    """The figures that a cycle lacks: of its temperatures, on which the others depend, if one is among them."""
+    missing = [n for n in names if n not in cycle.figures]
+    return tuple([n for n in missing if n in TEMPERATURES] or missing)
+
+
+def _in_words(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
 
 
 def cycles_text(numbers: Sequence[int]) -> str:
