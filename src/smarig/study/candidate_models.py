@@ -67,7 +67,9 @@ def noise_of_repeats(runs: Sequence[RunVerification]) -> tuple[float, str] | Non
     if not floors:
         return None
     repeats = any(f.source != "windows" for f in floors)
-    return float(np.median([f.value for f in floors])), SCATTER_OF_REPEATS if repeats else NOISE_OF_A_READING
+    return float(
+        np.median([f.known for f in floors if f.known])
+    ), SCATTER_OF_REPEATS if repeats else NOISE_OF_A_READING
 
 
 def noise_of_neighbours(candidate: CandidateModel) -> float | None:

@@ -109,8 +109,8 @@ def simple_curve_sentence(
         larger = f"{ratio_text(gain)} times as large{than_model}, {measure(error, unit)}"
         return f"The error of the best simple curve ({name}) is {larger}."
     if gain >= 1:
-        as_well = than.replace("than", "as", 1)
-        return f"A simple curve ({name}) does nearly as well{as_well}: {measure(error, unit)}."
+        as_model = than.replace("than", "as", 1)
+        return f"A simple curve ({name}) does nearly as well{as_model}: {measure(error, unit)}."
     return (
         f"A simple curve ({name}) does better{than}: {measure(error, unit)}. Do not use the model as it is."
     )

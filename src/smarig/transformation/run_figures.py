@@ -77,7 +77,9 @@ class RunFigures:
     def mean_of(self, condition: str) -> tuple[float | None, str]:
         """The mean of a recorded condition, None without one, and its unit."""
         stored = self.run.info.conditions.get(condition)
-        mean = stored.get("mean") if isinstance(stored, dict) else None
+        if not isinstance(stored, dict):
+            return None, ""
+        mean = stored.get("mean")
         known = isinstance(mean, int | float) and np.isfinite(mean)
         return (float(mean), str(stored.get("unit"))) if known else (None, "")
 

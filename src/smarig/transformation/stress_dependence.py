@@ -102,6 +102,7 @@ def load_dependence(runs: Sequence[RunFigures]) -> tuple[LoadSlope, ...]:
     units = {unit for _, unit in loads.values()}
     if any(r.stress_MPa is not None for r in runs) or len(units) != 1:
         return ()
+    (unit,) = units
     found: list[LoadSlope] = []
     for name in TEMPERATURES:
         having = [r for r in runs if name in r.means and id(r) in loads]
@@ -110,7 +111,7 @@ def load_dependence(runs: Sequence[RunFigures]) -> tuple[LoadSlope, ...]:
             line = _line(name, load, having)
             ends = (line.slope - line.half, line.slope + line.half)
             extent = (float(load.min()), float(load.max()))
-            found.append(LoadSlope(name, line.slope, ends, *units, extent, load.size))
+            found.append(LoadSlope(name, line.slope, ends, unit, extent, load.size))
     return tuple(found)
 
 
