@@ -167,7 +167,7 @@ def is_signal_of(c: ColumnGuess, out: ColumnGuess) -> bool:
     """
     known = np.isfinite(c.facts.values) & np.isfinite(out.facts.values)
     x, y = out.facts.values[known], c.facts.values[known]
-    if c.quantity not in _SENSOR_SIGNALS or is_noise(c) or x.size < 3 or not np.ptp(x):
+    if c.quantity not in _SENSOR_SIGNALS or is_noise(c) or x.size < 3 or not np.var(x):
         return False  # of readings in random order, the rest scatters as well
     slope = float(np.cov(x, y)[0, 1] / np.var(x, ddof=1))
     rest = y - y.mean() - slope * (x - x.mean())
