@@ -179,3 +179,13 @@ def test_a_part_proportional_to_the_input_excuses_no_change(tmp_path):
     y[u.size * 3 // 5 :] += 0.3
     result = studied(tmp_path, u, y, diagnose=True)
     assert result.undetermined is None or not result.undetermined.explains
+
+
+def test_fitted_data_without_any_error_are_no_division_by_zero(tmp_path, monkeypatch):
+    """As of a curve that was digitised: the model passes through every fitted reading."""
+    module = "smarig.study.undetermined_states"
+    monkeypatch.setattr(f"{module}.root_mean_square", lambda _: 0.0)
+    u = path(PATHS["deep turn"])
+    found = studied(tmp_path, u, output("drawn", u)).undetermined
+    assert found is not None
+    assert not found.explains

@@ -66,10 +66,9 @@ def noise_of_repeats(runs: Sequence[RunVerification]) -> tuple[float, str] | Non
     floors = [f for r in runs if (f := noise_floor(without_dropouts(load_run(r.run)))).known]
     if not floors:
         return None
+    value = float(np.median([f.known for f in floors if f.known]))
     repeats = any(f.source != "windows" for f in floors)
-    return float(
-        np.median([f.known for f in floors if f.known])
-    ), SCATTER_OF_REPEATS if repeats else NOISE_OF_A_READING
+    return value, SCATTER_OF_REPEATS if repeats else NOISE_OF_A_READING
 
 
 def noise_of_neighbours(candidate: CandidateModel) -> float | None:

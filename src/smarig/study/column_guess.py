@@ -41,9 +41,8 @@ class ColumnGuess:
     unit_reason: str
     unit_confidence: float
     commanded: bool = False
-    stated_by: Literal["", "name", "unit", "clock"] = (
-        ""  # what says the quantity; "": its numbers, or nothing
-    )
+    # what says the quantity; "": its numbers, or nothing
+    stated_by: Literal["", "name", "unit", "clock"] = ""
     unit_by_numbers: bool = False  # neither the file nor the user states the unit
 
     @property

@@ -73,7 +73,8 @@ def undetermined_states(split: DataSplit, plain: CandidateModel) -> Undetermined
     fitted, held = found[: len(split.train)], found[len(split.train) :]
     error, own, together = _errors(plain.held_out), _errors(plain.train), (_errors(held), _errors(fitted))
     share = missing_share(error, together, own)
-    left = root_mean_square(np.concatenate(together)) / root_mean_square(own)
+    before = root_mean_square(own)
+    left = root_mean_square(np.concatenate(together)) / before if before else np.inf
     u = np.concatenate([r.input[r.counted] for r in plain.held_out])
     found = UndeterminedStates(share, inputs_of_error(u, error**2), new_turns(split, plain), left)
     return found if found.explains or (found.turns and share > _PARTLY) else None

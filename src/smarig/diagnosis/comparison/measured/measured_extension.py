@@ -149,7 +149,7 @@ def _steepest(record: InputRecord, sign: float) -> float:
         parts = np.linspace(u[0], u[-1], int(abs(u[-1] - u[0]) / (PART * np.ptp(record.u))) + 1)
         for low, high in pairwise(np.sort(parts)):
             own = (u >= low) & (u <= high)
-            if own.sum() >= FEWEST_OF_LINE and np.ptp(u[own]) > 0:
+            if own.sum() >= FEWEST_OF_LINE and np.var(u[own]) > 0:
                 slope, error = _line(u[own], y[own])
                 found.append(sign * slope - 2.0 * error)
     return max(found)
