@@ -79,6 +79,7 @@ if TYPE_CHECKING:
     from smarig.report.transformation.transformation_tables import branches_text as branches_text
     from smarig.report.transformation.transformation_tables import figure_name as figure_name
     from smarig.report.transformation.transformation_tables import figures_table as figures_table
+    from smarig.report.transformation.transformation_tables import runs_table as runs_table
     from smarig.report.transformation.transformation_tables import stress_table as stress_table
     from smarig.report.transformation.trend_figures import stress_figure as stress_figure
     from smarig.report.transformation_page import transformation_page as transformation_page

@@ -1,35 +1,61 @@
 """The headline figures of a study in the words of the field: temperatures, stroke, width, stress, error and noise."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from smarig.core import capitalised, spaced
 from smarig.record import Run
-from smarig.report import Html, display_unit, figure_name, interval_text, number, signed, tag, to_uncertainty
+from smarig.report import (
+    Html,
+    display_unit,
+    figure_name,
+    interval_text,
+    number,
+    runs_table,
+    signed,
+    tag,
+    to_uncertainty,
+)
 from smarig.report import table as html_table
+from smarig.study.study_figure import load_text
 from smarig.study.study_result import StudyResult
-from smarig.transformation import RunFigures
+from smarig.transformation import FIGURES, TEMPERATURES, RunFigures
 
 Row = tuple[Html | str, str, str]
 _SHOWN = ("A_s", "A_f", "M_s", "M_f", "width", "stroke")
+_MOST_RUNS = 8  # whose temperatures stand beside the loop
 
 
-def key_figures(result: StudyResult, run: Run) -> Html:
-    """The table of figures beside the loop of a run: those of that run, then those of the study."""
-    rows = list(_rows(result, run))
-    figures = result.transformation and result.transformation.of(run)
-    what = f"{figures.name}, and the model." if figures else "The model."
-    if figures and result.transformation and result.transformation.lag:
-        what += " The temperatures are corrected for the lag of the thermometer."
-    if not any(interval for *_, interval in rows):
-        return html_table(("Quantity", "Value"), [(name, value) for name, value, _ in rows], what)
-    return html_table(("Quantity", "Value", "95 % interval"), rows, what)
+def key_figures(result: StudyResult, run: Run) -> Iterator[Html]:
+    """The tables of figures beside the loop of a run: the temperatures of all runs, else of that run, then the rest."""
+    runs = result.transformation.runs if result.transformation else ()
+    several = len(runs) > 1
+    if several:
+        yield temperatures_by_run(runs[:_MOST_RUNS], TEMPERATURES, f"Temperatures.{_corrected(result)}")
+    found = None if several or result.transformation is None else result.transformation.of(run)
+    rows = [*(_temperatures(found) if found else ()), *_slopes(result), *_model(result)]
+    what = f"{found.name}, and the model.{_corrected(result)}" if found else "The model."
+    if any(interval for *_, interval in rows):
+        yield html_table(("Quantity", "Value", "95 % interval"), rows, what)
+    else:
+        yield html_table(("Quantity", "Value"), [(name, value) for name, value, _ in rows], what)
 
 
-def _rows(result: StudyResult, run: Run) -> Iterator[Row]:
-    found = result.transformation.of(run) if result.transformation else None
-    if found is not None:
-        yield from _temperatures(found)
-    yield from _slopes(result)
+def temperatures_by_run(
+    runs: Sequence[RunFigures], names: Sequence[str] = FIGURES, caption: str = "", *, stacked: bool = False
+) -> Html:
+    """The figures of several runs, a row each; a run is called by its load where each has another."""
+    loads = [load_text(r.run) for r in runs]
+    by_load = all(loads) and len({*loads}) == len(loads)
+    labels = [load.replace(" ", "\u00a0") for load in loads] if by_load else [r.name for r in runs]
+    return runs_table(dict(zip(labels, runs)), names, "Load" if by_load else "Run", caption, stacked=stacked)
+
+
+def _corrected(result: StudyResult) -> str:
+    lag = result.transformation is not None and result.transformation.lag is not None
+    return " Corrected for the lag of the thermometer." if lag else ""
+
+
+def _model(result: StudyResult) -> Iterator[Row]:
     if result.evaluation is None:
         return
     unit = result.unit

@@ -17,6 +17,7 @@ from smarig.study.typed_names import listed_names, typed_name
 
 _MOST_COMMANDS = 6  # that a question lists
 _ROLES = ("input", "output")
+_MOST_FILES = 3  # with which a whole command is still read
 
 
 @dataclass(frozen=True)
@@ -77,15 +78,24 @@ def answering(guess: TableGuess, command: StudyCommand) -> str:
 
 
 def assumed_unit(guess: TableGuess, command: StudyCommand) -> str:
-    """That the unit of temperatures is assumed, with the commands that state another; "" if the file states it."""
+    """That the unit of temperatures is assumed, with the commands that state another, or the options if a command
+    would name many files; "" if the file states it.
+    """
     assumed = [c for c in guess.columns if c.quantity in (q.TEMPERATURE, q.AMBIENT) and c.unit_is_assumed]
     if not assumed or command.options.mapping is not None:
         return ""
     names = " and ".join(shown(typed_name(guess.table, c.name)) for c in assumed)
     units = [unit for unit in q.USUAL_UNITS[q.TEMPERATURE] if unit != assumed[0].unit]
-    answers = ({f"unit {c.name}": unit for c in assumed} for unit in units)
     sentence = f"The file states no unit of {names}: {display_unit(assumed[0].unit)} is assumed."
+    if len(command.files) > _MOST_FILES:
+        options = [" ".join(_unit_option(guess, c.name, unit) for c in assumed) for unit in units]
+        return f"{sentence} If it is another, add {' or '.join(options)}."
+    answers = ({f"unit {c.name}": unit for c in assumed} for unit in units)
     return sentence + _listed(" If it is another, name it", guess, command, answers)
+
+
+def _unit_option(guess: TableGuess, column: str, unit: str) -> str:
+    return shlex.join(["--unit", f"{typed_name(guess.table, column)}={unit}"])
 
 
 def other_columns(guess: TableGuess, command: StudyCommand) -> str:

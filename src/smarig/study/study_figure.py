@@ -123,12 +123,13 @@ def _load(result: StudyResult, run: RunVerification) -> str:
     """The load of a held-out run as text, "" if loads are not compared."""
     if result.split is None or result.split.kind != "load":
         return ""
-    return next((_load_text(r) for r in result.split.held_out if str(r.path) == run.run), "")
+    return next((load_text(r) or r.name for r in result.split.held_out if str(r.path) == run.run), "")
 
 
-def _load_text(run: Run) -> str:
+def load_text(run: Run) -> str:
+    """The recorded load of a run with its unit; "" if none is."""
     load = recorded_conditions(run).get(LOAD)
-    return f"{number(float(load.value))}{spaced(display_unit(load.unit))}" if load is not None else run.name
+    return f"{number(float(load.value))}{spaced(display_unit(load.unit))}" if load is not None else ""
 
 
 def _family(result: StudyResult, shown: RunVerification) -> list[dict]:
@@ -139,7 +140,7 @@ def _family(result: StudyResult, shown: RunVerification) -> list[dict]:
     for run, shade, dash in zip(runs, style.colours(len(runs)), cycle(_FAMILY_DASHES)):
         known = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
         keep = known[path(run["input"][known], run["position"][known])]
-        name = f"{_load_text(run)}, fitted"
+        name = f"{load_text(run) or run.name}, fitted"
         traces.append(line(run["input"][keep], run["position"][keep], name, shade, width=1.2, dash=dash))
     return traces
 

@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from smarig.study.next_step import next_step
 from smarig.study.table_guess import TableGuess
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ def study_json(result: "StudyResult") -> dict[str, Any]:
         "files": [str(file) for file in result.files],
         "verdict": result.verdict or None,
         "sentences": result.sentences(),
+        "next_step": next_step(result) or None,
         "reasons": result.reasons,
         "hints": result.hints(),
         "questions": result.understood.questions,

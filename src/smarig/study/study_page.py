@@ -32,7 +32,8 @@ from smarig.report import table as html_table
 from smarig.study.column_guess import STATED
 from smarig.study.heat_flow_page import heat_flow_figure, heat_flow_notes, heat_flow_table
 from smarig.study.heat_flow_sentences import missing_sentences
-from smarig.study.key_figures import key_figures
+from smarig.study.key_figures import key_figures, temperatures_by_run
+from smarig.study.next_step import next_step
 from smarig.study.study_figure import heating_figure, loop_figure, other_loops, run_title, shown_run
 from smarig.study.study_files import VERDICT_LEVELS
 from smarig.study.study_result import StudyResult
@@ -47,6 +48,11 @@ def study_page(result: StudyResult, *, library: str = "") -> str:
         *(
             [Section("Transformation temperatures", "Temperatures", list(_temperatures(result)))]
             if result.transformation
+            else []
+        ),
+        *(
+            [Section("Figures of each run", "Figures", [figures_table(run) for run in runs], folded=True)]
+            if len(runs := result.transformation.runs if result.transformation else ()) > 1
             else []
         ),
         *(
@@ -102,7 +108,10 @@ def _summary(result: StudyResult) -> Iterator[Html | Figure]:
     if result.calorimetry is not None:
         rest = [*missing_sentences(result.calorimetry), *rest[-1:]]  # the table has the temperatures
     further = " ".join(s for s in rest if s)
-    yield notice(_level(result), paragraph(tag("b", first)), *([paragraph(further)] if further else []))
+    step = next_step(result)
+    parts = [paragraph(further)] if further else []
+    parts += [paragraph(tag("b", "Next: "), step)] if step else []
+    yield notice(_level(result), paragraph(tag("b", first)), *parts)
     if result.calorimetry is not None:
         yield heat_flow_figure(result.calorimetry, result.tables[0].run)
         yield heat_flow_table(result.calorimetry)
@@ -115,7 +124,7 @@ def _summary(result: StudyResult) -> Iterator[Html | Figure]:
         yield figure
         return
     run = next((t.run for t in result.tables if str(t.run.path) == shown.run), result.tables[0].run)
-    yield figure_with_text(figure, key_figures(result, run), bullets([*result.reasons, *result.hints()]))
+    yield figure_with_text(figure, *key_figures(result, run), bullets([*result.reasons, *result.hints()]))
 
 
 def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:
@@ -129,7 +138,12 @@ def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:
         slopes = stress_figure(found.result.runs, found.result.stress)
         if slopes:
             yield from (slopes, stress_table(found.result.stress))
-        yield from (figures_table(run) for run in found.result.runs)
+        if len(found.runs) > 1:
+            yield temperatures_by_run(
+                found.runs, caption="Figures of all runs, means over their cycles.", stacked=True
+            )
+        else:
+            yield from (figures_table(run) for run in found.runs)
         yield from (branches_text(run) for run in found.result.runs if run.notes or run.unused)
     if found.left_out:
         yield html_table(

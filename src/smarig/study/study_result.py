@@ -46,6 +46,7 @@ from smarig.study.function_of_input import FunctionOfInput
 from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
+from smarig.study.noise_of_input import noise_by_input
 from smarig.study.study_json import study_json
 from smarig.study.study_sentences import (
     LEVEL_WORDS,
@@ -139,14 +140,18 @@ class StudyResult:
     @cached_property
     def _noise(self) -> tuple[float | None, str]:
         """The noise by which errors are judged, and its name: of repeats, else as the diagnosis estimates it, else from
-        neighbouring readings.
+        neighbouring readings; that of the input is part of it.
         """
         known = noise_of_repeats(self._held_out)
-        if known is not None:
-            return known
-        if isinstance(self.diagnosis, MeasuredDiagnosis):
-            return self.diagnosis.noise, NOISE_OF_A_READING
-        return noise_of_neighbours(self.evaluation.best) if self.evaluation else None, NOISE_OF_A_READING
+        if known is not None or self.evaluation is None:
+            return known or (None, NOISE_OF_A_READING)
+        best = self.evaluation.best
+        output = (
+            self.diagnosis.noise
+            if isinstance(self.diagnosis, MeasuredDiagnosis)
+            else noise_of_neighbours(best)
+        )
+        return output and float(np.hypot(output, noise_by_input(best))), NOISE_OF_A_READING
 
     @property
     def noise(self) -> float | None:
@@ -222,7 +227,7 @@ class StudyResult:
         return e is not None and split is not None and inside(new_turns(split, e.plain), e.plain.train)
 
     @property
-    def _inner_loops(self) -> InnerLoops:
+    def inner_loops(self) -> InnerLoops:
         """Which of the data hold inner loops."""
         if self._fitted_turns_inside:
             return "fitted"
@@ -345,7 +350,7 @@ class StudyResult:
     def _verdict_words(self) -> str:
         """The verdict, with the branch that decides it, or with the place that it excepts."""
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
-        if level is ErrorLevel.GOOD and self.curves_as_good and self._inner_loops == "none":
+        if level is ErrorLevel.GOOD and self.curves_as_good and self.inner_loops == "none":
             return "good for full loops; inner loops were not tested"
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
             return "fair, as blocks left out of the fit are predicted less well"
@@ -385,7 +390,7 @@ class StudyResult:
             self.unit,
             left_out=self.compared_on_left_out,
             as_well=self.curves_as_good,
-            inner_loops=self._inner_loops,
+            inner_loops=self.inner_loops,
         )
 
     def _next_sentence(self) -> str:

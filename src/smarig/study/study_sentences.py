@@ -101,7 +101,9 @@ def simple_curve_sentence(
     the model, as it must be where no data hold ``inner_loops``.
     """
     if as_well:
-        leaves = f"{measure(error, unit)}, {ratio_text(gain)} times as much as the model"
+        ratio = ratio_text(gain)
+        times = "as much" if ratio == "1" else f"{ratio} times as much"
+        leaves = f"{measure(error, unit)}, {times} as the model"
         return f"A simple curve ({name}) leaves {leaves}{AS_WELL[inner_loops]}"
     than = " than the model on blocks left out of the fit" if left_out else ""
     if gain >= BETTER:

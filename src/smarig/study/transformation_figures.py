@@ -50,14 +50,18 @@ class Transformation:
         """The slopes over the load where no stress is known and the runs determine them."""
         return [s for s in self.result.load if s.is_determined] if self.result else []
 
+    @property
+    def runs(self) -> Sequence[RunFigures]:
+        """The figures of all runs that have a full loop."""
+        return self.result.runs if self.result else ()
+
     def of(self, run: Run | None) -> RunFigures | None:
         """The figures of a run, None if it has no full loop."""
-        own = self.result.runs if self.result else ()
-        return next((f for f in own if run is not None and f.run.path == run.path), None)
+        return next((f for f in self.runs if run is not None and f.run.path == run.path), None)
 
     def lines(self) -> list[str]:
         """The temperatures of each run and their dependence on stress as text, or why there are none."""
-        runs = self.result.runs if self.result else ()
+        runs = self.runs
         found = [
             f"{run.name}: {', '.join(f'{n} {value_text(run, n)}' for n in TEMPERATURES if n in run.means)}."
             for run in runs[:_MOST]

@@ -108,7 +108,7 @@ def command(
 
 
 def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
-    from smarig.study import POOR, study
+    from smarig.study import POOR, next_step, study
 
     result = study(files, out, options, ask=_asker(), progress=show_message)
     show_message(_columns_text(result))
@@ -117,7 +117,15 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
     if result.verdict == POOR and result.function is None:
         show_message("Warning: The model is poor. Do not use it before its errors are explained.")
     temperatures = result.transformation.lines() if result.transformation else []
-    lines = [*result.masked(), *result.sentences(), *temperatures, *result.reasons, *result.hints()]
+    step = [f"Next: {text}"] if (text := next_step(result)) else []
+    lines = [
+        *result.masked(),
+        *filter(None, result.sentences()),
+        *step,
+        *temperatures,
+        *result.reasons,
+        *result.hints(),
+    ]
     lines = list(dict.fromkeys([*lines, f"Page: {out / 'index.html'}"]))  # what was masked is a hint as well
     emit(result.to_json(), "\n".join(lines))
 

@@ -64,6 +64,7 @@ SENTENCES = {
     "nothing": "No other model predicts blocks that it has not seen so much better that this could not be chance.",
     "too_small": "What is likely changes too little to matter.",
     "inadequate": "No effect and no variable predicts the errors well enough.",
+    "fluctuates": "They fluctuate with time as errors of a room temperature do, by more than is noise.",
     "unseen": "The plain model predicts the training runs, but not the held-out runs.",
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",

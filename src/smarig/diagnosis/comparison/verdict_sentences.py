@@ -8,6 +8,7 @@ from smarig.diagnosis.comparison.rules import SENTENCES, Verdict
 from smarig.diagnosis.diagnosis_text import parameter_text
 from smarig.diagnosis.variable_words import variable_words
 
+LEAST_SHOWN = 0.005  # probability that is not written as 0.00
 AS_LIKELY = 0.5  # of the likeliest variable's probability: as good as equally likely
 
 
@@ -23,8 +24,8 @@ def verdict_lines(
     elif word == "unknown":
         dependence = f" and depends on {_variables(verdict.depends_on, causes)}" if verdict.depends_on else ""
         yield f"Something is wrong{dependence}, but no effect of the catalogue is certain. {reason}"
-        if verdict.names:
-            yield _competing(verdict, causes)
+        if competing := _competing(verdict, causes):
+            yield competing
     opening = {"named": "Found", "ambiguous": "Ambiguous, likeliest cause"}.get(word, "")
     for effect in findings:
         values = ", ".join(parameter_text(n, v) for n, v in effect.parameters.items())
@@ -36,12 +37,15 @@ def verdict_lines(
 
 def doubtful_causes(verdict: Verdict, causes: Mapping[Part, float]) -> str:
     """The causes that an unknown verdict does not name, and why not."""
-    return f"{_competing(verdict, causes)} {SENTENCES[verdict.reason]}"
+    return " ".join(filter(None, (_competing(verdict, causes), SENTENCES[verdict.reason])))
 
 
 def _competing(verdict: Verdict, causes: Mapping[Part, float]) -> str:
-    opening = "What competes" if len(verdict.names) > 1 else "The likeliest cause"
-    return f"{opening}: {_listed(verdict.names, causes)}"
+    """The causes of an unknown verdict; "" if none of them has a probability that a text would show."""
+    by_name = {p.name: w for p, w in causes.items()}
+    likely = [n for n in verdict.names if by_name.get(n, 1.0) >= LEAST_SHOWN]
+    opening = "What competes" if len(likely) > 1 else "The likeliest cause"
+    return f"{opening}: {_listed(likely, causes)}" if any(n in by_name for n in likely) else ""
 
 
 def _variables(likeliest: str, causes: Mapping[Part, float]) -> str:

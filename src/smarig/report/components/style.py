@@ -97,7 +97,8 @@ CSS = """
  --ground:#fff;--text:#333a44;--link:#005a8f;--edge:#8b939e;--warm:#fff8e8;--rose:#fdf0e8;--mark:#fff0c2}
 @media screen and (prefers-color-scheme:dark){:root{--ink:#e6e9ee;--grey:#a3acb8;--line:#3a424d;--soft:#1e242c;
  --blue:#6cb8ec;--ground:#12161b;--text:#c3cad4;--link:#6cb8ec;--edge:#59616c;--warm:#3a2f10;--rose:#3c1f12;--mark:#4a3d12}
- .plot,.gallery svg,td svg{background:#fff;color-scheme:only light}button[aria-pressed=true]{color:#12161b}}
+ .plot,.gallery svg,td svg{background:#fff;color-scheme:only light;filter:invert(.92) hue-rotate(180deg)}
+ button[aria-pressed=true]{color:#12161b}}
 *{box-sizing:border-box}
 html{scroll-padding-top:5.5rem;-webkit-text-size-adjust:100%}
 body{margin:0;background:var(--ground);color:var(--ink);font:16px/1.55 FONT;counter-reset:section figure table;

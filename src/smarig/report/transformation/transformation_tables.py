@@ -1,7 +1,7 @@
 """Tables of transformation temperatures: figures, stress dependence, branches."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from smarig.core import UsageError, capitalised, spaced
 from smarig.record import Run
@@ -68,6 +68,29 @@ def figures_table(run: RunFigures) -> Html:
     rows = [_row(run, name, ambient) for name in FIGURES]
     reason = f" Drift not given: {run.no_drift}." if run.no_drift and len(run.cycles) > 1 else ""
     return table(header, rows, f"Figures of {run.name}, means over {cycles_text(run.averaged)}.{reason}")
+
+
+def runs_table(
+    runs: Mapping[str, RunFigures], names: Sequence[str], first: str, caption: str, *, stacked: bool = False
+) -> Html:
+    """The figures ``names`` of several runs, a row each, in digits that their intervals allow.
+
+    ``runs`` are by label, and ``first`` is the head of that column.
+    """
+    shown = [name for name in names if any(name in run.means for run in runs.values())]
+    units = {
+        name: next(display_unit(r.unit_of(name)) for r in runs.values() if name in r.means) for name in shown
+    }
+    header = (first, *(joined((figure_name(name), f" ({units[name]})")) for name in shown))
+    rows = [(label, *(_rounded(run, name) for name in shown)) for label, run in runs.items()]
+    return table(header, rows, caption, stacked=stacked)
+
+
+def _rounded(run: RunFigures, name: str) -> str:
+    if name not in run.means:
+        return "–"
+    low, high = run.means[name].ci95
+    return to_uncertainty(run.means[name].value, (high - low) / 2)
 
 
 def _row(run: RunFigures, name: str, ambient: bool) -> list[object]:

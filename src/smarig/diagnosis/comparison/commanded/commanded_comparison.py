@@ -85,6 +85,8 @@ def concluded(
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
     if verdict.reason in ASK_ALL_RUNS:
         verdict = _by_all_runs(verdict, variable_of_all_runs(subject, [*train, *held_out]))
+    if verdict.reason == "inadequate" and verdict.depends_on is None and subject.fluctuates(subject.base):
+        verdict = replace(verdict, reason="fluctuates", depends_on="time")
     likelier = (
         verdict.word != "silent" and weights.nothing < RULES["nothing"].value
     )  # something, than nothing

@@ -167,6 +167,11 @@ class CommandedProblem:
         square = np.diag(readings.covariance.noise_covariance(remembered, sizes))
         return float(np.sqrt(np.mean((square * readings.scale**2)[: len(self.timeline.settled)])))
 
+    def fluctuates(self, fitted: FittedPlant) -> bool:
+        """Whether errors go with time as a room does that fluctuates by more than is plausible, over several steps."""
+        noise, steps_s = fitted.refitted.noise, np.diff(self.timeline.settled.t_s)
+        return noise.temperature_K > PLAUSIBLE_ROOM_K and noise.correlation_s > float(np.median(steps_s))
+
     def _fitted(self, found: JointDensity, prior: Everett) -> FittedPlant:
         model, prediction, refitted = found.plant_model, found.prediction, found.refitted
         n = refitted.coupled
