@@ -95,7 +95,7 @@ def _field(folder: Path, quick: bool) -> Iterator[ComparisonCase]:
 def _row(case: ComparisonCase, found: MeasuredDiagnosis) -> dict[str, Any]:
     verdict, gain = found.verdict, found.gain
     named = set(verdict.names) if verdict.word == "named" else set()
-    truth = [w for p, w in found.evidence.causes.items() if p.name in (case.names or case.variables)]
+    truth = [w for p, w in found.causes.items() if p.name in (case.names or case.variables)]
     known = bool(case.names or case.variables)
     return {
         "outcome": outcome(case, named, verdict.depends_on, verdict.names),

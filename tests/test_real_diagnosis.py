@@ -157,7 +157,7 @@ def test_a_loop_at_one_hertz_does_not_predict_slower_ones(loops):
 def test_polarisation_depends_on_the_rate(loops):
     found = diagnose_measured(given(loops[1.0]), list(loops.values()), [])
     assert found.verdict.word == "unknown"
-    shares = {p.name: w for p, w in found.evidence.causes.items()}
+    shares = {p.name: w for p, w in found.evidence.weights.causes.items()}
     assert shares["rate"] + shares["time_since_reversal"] > 0.9, "one cycle at each rate cannot part them"
     assert shares["rate"] > 0.2
 
@@ -190,7 +190,7 @@ def test_force_pulses_wander_too_much_for_a_name(shared_data, tmp_path, pulse):
     found = diagnose_transient(run)
     assert found.verdict.word == "unknown"
     assert "latent_heat" not in found.not_testable, "the force tells the transformation: it could have shown"
-    assert found.evidence.causes[Part("effect", "latent_heat")] < 0.1
+    assert found.evidence.weights.causes[Part("effect", "latent_heat")] < 0.1
     assert found.evidence.evidence.error > 10 * found.evidence.evidence.noise
 
 

@@ -79,7 +79,7 @@ def _answer_record(found: CommandedDiagnosis) -> Record:
     return {key: whole[key] for key in (*keys, "adequacy", "noise")} | {
         "explanations": [[[p.name], w] for p, w in found.causes.items() if p.kind == "effect"],
         "variables": [[p.name, w] for p, w in found.causes.items() if p.kind == "variable"],
-        "nothing": found.weights.nothing,
+        "nothing": found.probabilities.nothing,
         "intervals90": found.intervals90,
     }
 

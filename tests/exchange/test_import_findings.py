@@ -128,6 +128,15 @@ def test_noise_in_the_input_is_counted():
     assert any("direction of its branch" in s for s in _loop(noisy, _healthy()))
 
 
+@pytest.mark.parametrize(("pulled", "force"), [("mm", "N"), ("%", "MPa")])
+def test_a_force_leads_an_elongation_as_work_is_lost(pulled, force):
+    y = _wire(U)[::-1]
+    loop = LoopRecord(U, y, np.arange(N), pulled, force)
+    (found,) = [f.text for f in loop_findings(loop) if f.kind == "leading output"]
+    assert "take the force as the input" in found
+    assert "swapped" not in found
+
+
 def test_swapped_branches_run_the_wrong_way_round():
     y = _wire(U)[::-1]
     assert any("output leads its input" in s for s in _loop(U, y))

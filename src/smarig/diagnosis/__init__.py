@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.measured.measured_text import offset_sentence as offset_sentence
     from smarig.diagnosis.comparison.missing_knowledge import inputs_of_error as inputs_of_error
     from smarig.diagnosis.comparison.missing_knowledge import missing_share as missing_share
+    from smarig.diagnosis.comparison.probabilities import Probabilities as Probabilities
     from smarig.diagnosis.comparison.rules import RULES as RULES
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis as ThermalDiagnosis
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, spaced
 from smarig.exchange.channel_faults import quantum
+from smarig.exchange.unit_conversion import dimension
 from smarig.measurement import dropouts, first_branch_differs, noise_range, width_of_leading_loops
 from smarig.preisach import turning_points
 from smarig.record import ImportFinding, remarks
@@ -23,6 +24,7 @@ _CONTRARY = 0.01  # of the input's range
 _FEWEST_FALSE = 3  # rows: fewer are no noise
 _CYCLE = 0.05  # of the input's range: smallest leg of a small cycle
 _CYCLE_ROWS = 3  # fewest rows of such a leg
+_ELONGATIONS, _FORCES = ("length", "ratio"), ("force", "stress or pressure")  # dimensions of what is pulled
 
 
 @dataclass(frozen=True)
@@ -199,10 +201,17 @@ def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
     width = width_of_leading_loops(loop.u, loop.y, turns)
     if width is None:
         return []
-    text = (
-        f"The output leads its input (mean loop width {100 * width:.1f} % of the range): the loop runs in the wrong "
-        f"direction. Branches or columns are swapped, or the sensor of the input lags."
-    )
+    leads = f"The output leads its input (mean loop width {100 * width:.1f} % of the range)"
+    if dimension(loop.input_unit) in _ELONGATIONS and dimension(loop.output_unit) in _FORCES:
+        text = (
+            f"{leads}: a specimen that dissipates work is pulled with more force than it returns. Its hysteresis is "
+            "that of the elongation over the force: take the force as the input."
+        )
+    else:
+        text = (
+            f"{leads}: the loop runs in the wrong direction. Branches or columns are swapped, or the sensor of the "
+            "input lags."
+        )
     return [ImportFinding(text, "leading output")]
 
 

@@ -62,7 +62,7 @@ def _residuals(d: CommandedDiagnosis) -> Parts:
 
 
 def _compared(d: CommandedDiagnosis) -> Parts:
-    yield from compared_causes(d.weights, source_label(*d.timeline.runs))
+    yield from compared_causes(d.weights, d.probabilities, source_label(*d.timeline.runs))
 
 
 def _learned(d: CommandedDiagnosis) -> Parts:

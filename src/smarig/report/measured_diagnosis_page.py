@@ -32,7 +32,7 @@ _PALE_OPACITY = 0.45
 
 def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
     """The self-contained HTML page, for ``write_page``."""
-    compared = list(compared_causes(d.evidence.weights, source_label(*d.runs)))
+    compared = list(compared_causes(d.evidence.weights, d.probabilities, source_label(*d.runs)))
     sections = [
         Section("Verdict", "Verdict", list(_summary(d))),
         Section("Measured and predicted outputs", "Loops", [_loops_figure(d)]),

@@ -17,7 +17,7 @@ from smarig.report.runs.run_tables import conditions_table, provenance_table, qu
 
 def thermal_diagnosis_page(d: ThermalDiagnosis) -> str:
     """The self-contained HTML page, for ``write_page``."""
-    compared = list(compared_causes(d.evidence.weights, source_label(d.run)))
+    compared = list(compared_causes(d.evidence.weights, d.probabilities, source_label(d.run)))
     sections = [
         Section("Verdict", "Verdict", list(_summary(d))),
         Section("Measured and predicted temperatures", "Temperatures", [_trace_figure(d)]),

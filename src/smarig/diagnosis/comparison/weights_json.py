@@ -3,11 +3,14 @@
 from typing import Any
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
+from smarig.diagnosis.comparison.probabilities import Probabilities
 from smarig.diagnosis.comparison.rules import SENTENCES, Verdict
 from smarig.diagnosis.comparison.weights import Weights
 
 
-def verdict_json(verdict: Verdict, effects: list[dict[str, Any]], weights: Weights) -> dict[str, Any]:
+def verdict_json(
+    verdict: Verdict, effects: list[dict[str, Any]], weights: Weights, stated: Probabilities
+) -> dict[str, Any]:
     """What every diagnosis says first: the verdict with its effects, and all that it was weighed from."""
     return {
         "verdict": verdict.word,
@@ -16,17 +19,18 @@ def verdict_json(verdict: Verdict, effects: list[dict[str, Any]], weights: Weigh
         "depends_on": verdict.depends_on,
         "reason": SENTENCES[verdict.reason],
         "stands_out": verdict.stands_out,
-        "causes": causes_json(weights),
+        "causes": causes_json(stated),
         "hypotheses": hypotheses_json(weights),
         "alpha": None,
         "nulls": 0,
     }
 
 
-def causes_json(weights: Weights) -> list[dict[str, Any]]:
-    """The probability of every cause and of nothing, likeliest first."""
-    found = [{"kind": "nothing", "name": "nothing", "probability": weights.nothing}]
-    found += [{"kind": p.kind, "name": p.name, "probability": w} for p, w in weights.causes.items()]
+def causes_json(stated: Probabilities) -> list[dict[str, Any]]:
+    """The probability of every cause, of nothing and of what is outside, likeliest first."""
+    found = [{"kind": "nothing", "name": "nothing", "probability": stated.nothing}]
+    found += [{"kind": "outside", "name": "outside", "probability": stated.outside}]
+    found += [{"kind": p.kind, "name": p.name, "probability": w} for p, w in stated.causes.items()]
     return sorted(found, key=lambda cause: -float(cause["probability"]))
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from smarig.diagnosis import ComparedHypothesis, Part, Weights, variable_words
+from smarig.diagnosis import ComparedHypothesis, Part, Probabilities, Weights, variable_words
 from smarig.report.components.figure import Figure, Panel, Trace, axis, packed
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import number
@@ -12,28 +12,29 @@ from smarig.report.components.style import FIRST, GREY, SECOND
 
 _MOST_HYPOTHESES = 12  # that are listed
 _SMALLEST = 0.01  # probability that is written as a number, and drawn
-_COLOURS = {"nothing": GREY, "effect": FIRST, "variable": SECOND}
+_COLOURS = {"nothing": GREY, "outside": GREY, "effect": FIRST, "variable": SECOND}
 
 
-def compared_causes(weights: Weights, label: str) -> Iterator[Html | Figure]:
+def compared_causes(weights: Weights, stated: Probabilities, label: str) -> Iterator[Html | Figure]:
     """The figure of the causes, their table, and that of the hypotheses; ``label`` marks simulated data."""
-    causes = _causes(weights)
+    causes = _causes(stated)
     likely = [c for c in causes if c[2] >= _SMALLEST]
     yield _figure(likely, label)
     yield table(
         ("Cause", "Probability"),
         [(name, _probability(p)) for _, name, p in likely],
-        "The probability of each cause, summed over the hypotheses that hold it.",
+        "The probability of each cause, summed over the hypotheses that hold it. Where the verdict withholds a name, a "
+        "part of it is that of causes outside the catalogue.",
     )
     if unlikely := [name for _, name, p in causes if p < _SMALLEST]:
         yield paragraph(f"Causes below {_SMALLEST}: {', '.join(unlikely)}.")
     yield _hypotheses_table(weights)
 
 
-def _causes(weights: Weights) -> list[tuple[str, str, float]]:
-    """(kind, name, probability) of nothing and of every cause, likeliest first."""
-    causes = [("nothing", "nothing", weights.nothing)]
-    causes += [(p.kind, _name(p), w) for p, w in weights.causes.items()]
+def _causes(stated: Probabilities) -> list[tuple[str, str, float]]:
+    """(kind, name, probability) of nothing, of what is outside, and of every cause, likeliest first."""
+    causes = [("nothing", "nothing", stated.nothing), ("outside", "outside the catalogue", stated.outside)]
+    causes += [(p.kind, _name(p), w) for p, w in stated.causes.items()]
     return sorted(causes, key=lambda cause: -cause[2])
 
 
@@ -64,7 +65,7 @@ def _figure(causes: list[tuple[str, str, float]], label: str) -> Figure:
     }
     caption = [
         "Blue: an effect of the catalogue; vermilion: a smooth dependence on a variable, which names no cause; grey: "
-        "the plain model. Causes of one hypothesis count for both, so the sum "
+        "the plain model, or a cause outside the catalogue. Causes of one hypothesis count for both, so the sum "
         "may exceed 1.",
     ]
     panel = Panel([bars], layout, 110 + 34 * len(names), wide=True)

@@ -16,6 +16,7 @@ from smarig.diagnosis.comparison.commanded.kernel_shapes import PLAIN, WALK
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.finding import Finding
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge
+from smarig.diagnosis.comparison.probabilities import Probabilities, probabilities
 from smarig.diagnosis.comparison.rules import RULES, SENTENCES, Verdict, VerdictEvidence
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.diagnosed_model import diagnosed_model
@@ -69,9 +70,14 @@ class CommandedDiagnosis(NotebookDisplay):
     separating_run: dict[str, Any] | None = None
 
     @property
-    def causes(self) -> dict[Part, float]:
+    def probabilities(self) -> Probabilities:
+        """The probabilities that the verdict states."""
+        return probabilities(self.verdict, self.evidence.causes, self.evidence.nothing)
+
+    @property
+    def causes(self) -> Mapping[Part, float]:
         """The probability of each cause, likeliest first."""
-        return self.weights.causes
+        return self.probabilities.causes
 
     @property
     def reason(self) -> str:

@@ -93,7 +93,7 @@ def _without_negligible(
     for h, w in large:
         held = frozenset(weights.credited(h))
         together[held] = together.get(held, 0.0) + w
-    return replace(e, causes=likeliest, nothing=1.0 - sum(w for _, w in large), together=together)
+    return replace(e, causes=likeliest, nothing=max(1.0 - sum(w for _, w in large), 0.0), together=together)
 
 
 def _all_evidence(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 def commanded_json(d: "CommandedDiagnosis") -> dict[str, Any]:
     """The whole object; errors in output units, scores in nats."""
     e = d.error
-    return verdict_json(d.verdict, d.effects(), d.weights) | {
+    return verdict_json(d.verdict, d.effects(), d.weights, d.probabilities) | {
         "missing_knowledge": d.missing and d.missing.to_json("K"),
         "not_identifiable": list(d.not_identifiable),
         "error": {

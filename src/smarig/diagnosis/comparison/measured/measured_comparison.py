@@ -82,11 +82,6 @@ class MeasuredComparison:
     excursions: int
     seconds: float
 
-    @property
-    def causes(self) -> Mapping[Part, float]:
-        """The probability of each part, likeliest first."""
-        return self.weights.causes
-
 
 def compare_measured(
     train_runs: Sequence[Run],

@@ -34,6 +34,7 @@ from smarig.diagnosis.comparison.measured.measured_json import measured_json
 from smarig.diagnosis.comparison.measured.measured_runs import records_of, replayed_error, selected_rows
 from smarig.diagnosis.comparison.measured.measured_text import measured_lines
 from smarig.diagnosis.comparison.measured.preisach_properties import PropertyTest, preisach_properties
+from smarig.diagnosis.comparison.probabilities import Probabilities, probabilities
 from smarig.diagnosis.comparison.rules import Verdict
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.identification import Comparison, MeasuredHypothesis, compared
@@ -132,9 +133,15 @@ class MeasuredDiagnosis(NotebookDisplay):
         return "\n".join(self.lines())
 
     @property
+    def probabilities(self) -> Probabilities:
+        """The probabilities that the verdict states."""
+        weights = self.evidence.weights
+        return probabilities(self.verdict, weights.causes, weights.nothing)
+
+    @property
     def causes(self) -> Mapping[Part, float]:
         """The probability of each cause, likeliest first."""
-        return self.evidence.causes
+        return self.probabilities.causes
 
     def rms(self, found: MeasuredHypothesis | None = None) -> float:
         """Rms error at the training readings: of the plain model, or of a hypothesis."""
@@ -187,7 +194,7 @@ class MeasuredDiagnosis(NotebookDisplay):
             }
             for (name, unit), value in zip(kind.amplitudes(self.runs[0].input_unit, self.unit), amplitudes):
                 parameters[name] = {"value": value, "ci95": None, "unit": unit}
-            yield Finding(kind.name, self.evidence.causes[Part("effect", kind.name)], parameters)
+            yield Finding(kind.name, self.causes[Part("effect", kind.name)], parameters)
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line."""

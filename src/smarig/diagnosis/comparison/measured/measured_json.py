@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def measured_json(d: "MeasuredDiagnosis") -> dict[str, Any]:
     """The whole object; errors in output units, scores in nats."""
     learned, missing = d.learned, d.evidence.missing
-    return verdict_json(d.verdict, d.effects(), d.evidence.weights) | {
+    return verdict_json(d.verdict, d.effects(), d.evidence.weights, d.probabilities) | {
         "missing_knowledge": missing and missing.to_json(d.runs[0].input_unit),
         "not_identifiable": d.not_testable,
         "error": {

@@ -32,7 +32,7 @@ NO_EXTENSION = "it predicts blocks left out of the fit, or the held-out runs, no
 
 def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first, then conditions that could cause it."""
-    yield from verdict_lines(d.verdict, d.findings, d.evidence.causes, _silence(d))
+    yield from verdict_lines(d.verdict, d.findings, d.causes, _silence(d))
     yield from d.conditions
     yield from _learned(d)
     yield adequacy_text(d)

@@ -41,11 +41,6 @@ class ThermalComparison:
     extended: FittedThermalAddition
     intervals: Mapping[str, Mapping[str, Interval]]
 
-    @property
-    def causes(self) -> Mapping[Part, float]:
-        """The probability of each part, likeliest first."""
-        return self.weights.causes
-
 
 def compare_thermal(
     x: ThermalRecord, without: Sequence[str] = (), seed: int = 0, progress: Progress = lambda _: None

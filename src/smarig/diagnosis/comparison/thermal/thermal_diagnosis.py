@@ -4,7 +4,7 @@ The comparison of hypotheses finds what is wrong; the extended balance has the e
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 from smarig.core import NotebookDisplay, UsageError
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.finding import Finding
+from smarig.diagnosis.comparison.probabilities import Probabilities, probabilities
 from smarig.diagnosis.comparison.rules import Verdict
 from smarig.diagnosis.comparison.thermal.balance_fit import PLAIN, FittedBalance
 from smarig.diagnosis.comparison.thermal.thermal_comparison import ThermalComparison, compare_thermal
@@ -46,6 +47,17 @@ class ThermalDiagnosis(NotebookDisplay):
     def verdict(self) -> Verdict:
         """The verdict of the comparison."""
         return self.evidence.verdict
+
+    @property
+    def probabilities(self) -> Probabilities:
+        """The probabilities that the verdict states."""
+        weights = self.evidence.weights
+        return probabilities(self.verdict, weights.causes, weights.nothing)
+
+    @property
+    def causes(self) -> Mapping[Part, float]:
+        """The probability of each cause, likeliest first."""
+        return self.probabilities.causes
 
     @property
     def record(self) -> ThermalRecord:
@@ -106,7 +118,7 @@ class ThermalDiagnosis(NotebookDisplay):
         return tuple(
             Finding(
                 name,
-                self.evidence.causes[Part("effect", name)],
+                self.causes[Part("effect", name)],
                 {parameter: self._parameter(parameter) for parameter in values},
             )
             for name, values in self.evidence.extended.candidate.effects.items()

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 def thermal_json(d: "ThermalDiagnosis") -> dict[str, Any]:
     """The whole object; errors in kelvin, scores in nats. ``held_out`` are blocks of the record, left out in turn."""
-    return verdict_json(d.verdict, [f.to_json() for f in d.findings], d.evidence.weights) | {
+    return verdict_json(d.verdict, [f.to_json() for f in d.findings], d.evidence.weights, d.probabilities) | {
         "missing_knowledge": None,
         "not_identifiable": d.not_testable,
         "parameters": d.parameters(),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def thermal_lines(d: "ThermalDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first."""
-    yield from verdict_lines(d.verdict, d.findings, d.evidence.causes, _silence(d))
+    yield from verdict_lines(d.verdict, d.findings, d.causes, _silence(d))
     for effect in () if d.findings else d.candidates:
         values = ", ".join(parameter_text(n, v) for n, v in effect.parameters.items())
         yield f"Candidate, not proved: {effect.name} ({values})."
