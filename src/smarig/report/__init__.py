@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from smarig.report.runs.run_summary import summary_with_loop as summary_with_loop
     from smarig.report.summary_page import summary_page as summary_page
     from smarig.report.thermal_diagnosis_page import thermal_diagnosis_page as thermal_diagnosis_page
+    from smarig.report.transformation.tangent_figure import tangent_figure as tangent_figure
     from smarig.report.transformation.transformation_tables import branches_text as branches_text
     from smarig.report.transformation.transformation_tables import figure_name as figure_name
     from smarig.report.transformation.transformation_tables import figures_table as figures_table

@@ -26,6 +26,7 @@ from smarig.report import (
     stress_table,
     summary_with_loop,
     tag,
+    tangent_figure,
     titled,
 )
 from smarig.report import table as html_table
@@ -38,6 +39,9 @@ from smarig.study.study_figure import heating_figure, loop_figure, other_loops, 
 from smarig.study.study_files import VERDICT_LEVELS
 from smarig.study.study_result import StudyResult
 from smarig.study.table_guess import TableGuess
+from smarig.transformation import RunFigures
+
+_MOST_DRAWN = 8  # runs whose tangents are drawn
 
 
 def study_page(result: StudyResult, *, library: str = "") -> str:
@@ -51,7 +55,7 @@ def study_page(result: StudyResult, *, library: str = "") -> str:
             else []
         ),
         *(
-            [Section("Figures of each run", "Figures", [figures_table(run) for run in runs], folded=True)]
+            [Section("Tangents and figures of each run", "Tangents", list(_each_run(runs)), folded=True)]
             if len(runs := result.transformation.runs if result.transformation else ()) > 1
             else []
         ),
@@ -143,7 +147,7 @@ def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:
                 found.runs, caption="Figures of all runs, means over their cycles.", stacked=True
             )
         else:
-            yield from (figures_table(run) for run in found.runs)
+            yield from _each_run(found.runs)
         yield from (branches_text(run) for run in found.result.runs if run.notes or run.unused)
     if found.left_out:
         yield html_table(
@@ -151,6 +155,14 @@ def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:
             list(found.left_out.items()),
             "Runs without transformation temperatures.",
         )
+
+
+def _each_run(runs: Sequence[RunFigures]) -> Iterator[Html | Figure]:
+    """The tangents of each run on its loop, and its figures with intervals."""
+    for k, run in enumerate(runs):
+        if k < _MOST_DRAWN:
+            yield tangent_figure(run)
+        yield figures_table(run)
 
 
 def _comparison(result: StudyResult) -> Iterator[Html | Figure]:

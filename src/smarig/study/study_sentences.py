@@ -59,7 +59,7 @@ def _over_noise(rms: float, noise: tuple[float | None, str]) -> str:
 
 InnerLoops = Literal["none", "held out", "fitted"]
 AS_WELL: dict[InnerLoops, str] = {
-    "none": "; no data turn inside the loop. Record reversals inside the loop to test more.",
+    "none": "; no data turn inside the loop.",
     "held out": "; the fitted data do not turn inside the loop, but the held-out data do. Fit such reversals, too.",
     "fitted": ", although the fitted data hold inner loops.",
 }

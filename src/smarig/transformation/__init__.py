@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from smarig.transformation.chosen_cycles import cycles_text as cycles_text
     from smarig.transformation.cycle_figures import CORNERS as CORNERS
     from smarig.transformation.cycle_figures import FIGURES as FIGURES
+    from smarig.transformation.cycle_figures import NAMES as NAMES
     from smarig.transformation.cycle_figures import TEMPERATURES as TEMPERATURES
     from smarig.transformation.cycle_figures import CycleFigures as CycleFigures
     from smarig.transformation.cycle_figures import Drawn as Drawn
-    from smarig.transformation.figures_text import NAMES as NAMES
     from smarig.transformation.figures_text import value_text as value_text
     from smarig.transformation.figures_text import why_not as why_not
     from smarig.transformation.headline import HEADLINE as HEADLINE

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import stdtrit  # scipy.stats takes 50 MB and a second
 
 from smarig.identification import Estimate, variance_inflation
-from smarig.transformation.cycle_figures import Drawn
+from smarig.transformation.cycle_figures import NAMES, Drawn
 
 _FEWEST = 3
 _WIDEST = 2.0  # times the range of the figures: a wider change over all cycles is not determined
@@ -32,7 +32,7 @@ def cycle_drift(
                 scattered.append(name)
             else:
                 found[name] = slope
-    names = ", ".join(scattered)
+    names = ", ".join(NAMES.get(name, name) for name in scattered)
     return found, f"the cycles scatter too much to determine a drift of {names}" if scattered else ""
 
 

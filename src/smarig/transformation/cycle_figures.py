@@ -28,6 +28,13 @@ TEMPERATURES = tuple(CORNERS)
 DIFFERENCES = ("span", "width")
 OUTPUTS = ("stroke", "heating_transformation", "cooling_transformation", "residual")
 FIGURES = (*TEMPERATURES, *DIFFERENCES, *OUTPUTS)
+NAMES = {  # in texts; of others, the key
+    "heating_transformation": "transformation, heating",
+    "cooling_transformation": "transformation, cooling",
+    "residual": "residual of the cycle",
+    "span": "span A_f − M_f",
+    "width": "hysteresis width",
+}
 _AT_END = 0.02  # of the temperature's range: readings whose mean is the output at an end
 
 

@@ -5,17 +5,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from smarig.core import spaced
 from smarig.identification import Estimate
 from smarig.transformation.chosen_cycles import cycles_text
-from smarig.transformation.cycle_figures import FIGURES, TEMPERATURES
+from smarig.transformation.cycle_figures import FIGURES, NAMES, TEMPERATURES
 from smarig.transformation.run_figures import RunFigures
 from smarig.transformation.stress_dependence import LoadSlope, StressSlope
 
-NAMES = {
-    "heating_transformation": "transformation, heating",
-    "cooling_transformation": "transformation, cooling",
-    "residual": "residual of the cycle",
-    "span": "span A_f − M_f",
-    "width": "hysteresis width",
-}
 _MOST_UNUSED = 5
 
 
