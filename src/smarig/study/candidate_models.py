@@ -43,6 +43,11 @@ class CandidateModel:
     held_out: tuple[RunVerification, ...]
 
     @property
+    def proportional_slope(self) -> float | None:
+        """Output per input of the part that is proportional to the input; None for a model without one."""
+        return self.model.measurement["amplitudes"][0] if self.name == PROPORTIONAL_PART else None
+
+    @property
     def rms(self) -> float:
         """Rms error over all held-out points."""
         return _pooled(self.held_out)
@@ -109,7 +114,7 @@ class Evaluation:
     @property
     def by_history(self) -> CandidateModel:
         """The best candidate that follows from the history of the input alone: without a load and without causes."""
-        return self.best if self.best.name == PROPORTIONAL_PART else self.plain
+        return self.plain if self.best.proportional_slope is None else self.best
 
 
 def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:

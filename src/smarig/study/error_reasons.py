@@ -11,7 +11,7 @@ from smarig.identification import RunVerification
 from smarig.measurement import first_branch_differs, reversals
 from smarig.record import FindingKind, Run
 from smarig.replay import recorded_conditions
-from smarig.study.candidate_models import PROPORTIONAL_PART, CandidateModel
+from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import LOAD, DataSplit
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.input_turns import wide_turns
@@ -153,7 +153,7 @@ def _extent(runs: Sequence[RunVerification]) -> tuple[float, float]:
 
 def _turned_back(best: CandidateModel) -> Iterator[str]:
     """An output that moves both ways while the input moves one way, which no positive measure gives by itself."""
-    if best.name == PROPORTIONAL_PART:
+    if best.proportional_slope is not None:
         return
     runs = (*best.train, *best.held_out)
     span = (

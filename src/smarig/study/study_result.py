@@ -27,7 +27,6 @@ from smarig.study.baselines import BRANCHES
 from smarig.study.candidate_models import (
     EXTENDED,
     NOISE_OF_A_READING,
-    PROPORTIONAL_PART,
     Evaluation,
     noise_of_neighbours,
     noise_of_repeats,
@@ -198,10 +197,10 @@ class StudyResult:
         d = self.diagnosis
         if not self._is_fitted or not isinstance(d, MeasuredDiagnosis) or self.evaluation is None:
             return None
-        other, best = d.with_proportional_part, self.evaluation.best.name
-        if other is not None and best == PROPORTIONAL_PART:
+        other, best = d.with_proportional_part, self.evaluation.best
+        if other is not None and best.proportional_slope is not None:
             return other.hypothesis.rms
-        return d.best.rms if d.best and best == EXTENDED else d.base.rms
+        return d.best.rms if d.best and best.name == EXTENDED else d.base.rms
 
     @property
     def _as_a_branch_pair(self) -> bool:
@@ -304,10 +303,9 @@ class StudyResult:
 
     def _proportional_sentence(self) -> str:
         """How large the part of the output is that is proportional to the input, where the model has one."""
-        e = self.evaluation
-        if e is None or e.best.name != PROPORTIONAL_PART:
+        slope = self.evaluation.best.proportional_slope if self.evaluation else None
+        if slope is None:
             return ""
-        (slope,) = e.best.model.measurement["amplitudes"]
         return f" {proportional_sentence(slope, self.unit, self.tables[0].run.input_unit)}"
 
     def masked(self) -> list[str]:
@@ -416,7 +414,7 @@ class StudyResult:
         named = (
             self.diagnosis is not None and self.diagnosis.verdict.word == "named"
         )  # perhaps the load itself
-        if e is None or named or e.best.name in (e.plain.name, EXTENDED, PROPORTIONAL_PART):
+        if e is None or named or e.best.name in (e.by_history.name, EXTENDED):
             return ""
         rms = measure(e.plain.rms, self.unit)
         return f"The diagnosis is of a model that pools the loads ({e.plain.name}, {rms} rms): "

@@ -10,7 +10,7 @@ from smarig.diagnosis import RULES, inputs_of_error, missing_share
 from smarig.identification import RunVerification, identify, verify
 from smarig.record import Run
 from smarig.report import display_unit, number
-from smarig.study.candidate_models import PROPORTIONAL_PART, CandidateModel
+from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import DataSplit
 from smarig.study.input_turns import wide_turns
 
@@ -87,9 +87,9 @@ def _of_one_model(runs: Sequence[Run]) -> tuple[RunVerification, ...]:
 
 def _of_measure(plain: CandidateModel, run: Run) -> Run:
     """The run without the part of its output that is proportional to the input: no measure has it."""
-    if plain.name != PROPORTIONAL_PART:
+    slope = plain.proportional_slope
+    if slope is None:
         return run
-    (slope,) = plain.model.measurement["amplitudes"]
     return replace(run, columns={**run.columns, "position": run["position"] - slope * run["input"]})
 
 
