@@ -14,7 +14,7 @@ from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, st
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
-_WHATEVER_UNIT = (q.RATE, q.INDEX, q.SCATTER)  # quantities that a name states whatever the unit is
+_WHATEVER_UNIT = (q.RATE, q.INDEX, q.SCATTER, q.STATUS)  # quantities that a name states whatever the unit is
 _ANY_TIME = "assumed: equal steps of whole numbers may be s, ms or others"
 ASSUMED = "assumed: no unit is stated"
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm

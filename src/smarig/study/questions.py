@@ -10,7 +10,7 @@ from smarig.core import shown
 from smarig.report import display_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess
-from smarig.study.signal_columns import holds_still, is_noise
+from smarig.study.held_quantities import holds_still, is_noise
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess
 from smarig.study.typed_names import listed_names, typed_name
