@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, shown, spaced
 from smarig.exchange.channel_faults import quantum, unused_findings
+from smarig.exchange.dropped_readings import without_dropped
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
+from smarig.exchange.lost_rows import without_lost_rows
 from smarig.exchange.mapping import Column, Condition, MappingFile, require_columns
 from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.table_file import read_table
@@ -56,7 +58,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
         clock=mapping.time.column if mapping.time and mapping.time.written == "clock" else "",
         text=tuple(mapping.ignore),
     )
-    table = read_table(path, layout)
+    table = without_lost_rows(read_table(path, layout))
     require_columns(mapping, list(table.columns), path)
     return mapped_draft(path, table, mapping)
 
@@ -257,8 +259,10 @@ def _channels(
         values = convert(_scaled(table, column), column.unit, unit)
         strain = unit if channel == "position" and _is_strain(mapping) else ""
         values, masked = possible(path, channel, column.column, values, table.line, strain)
-        values, codes = without_codes(column.column, values, table.columns[column.column], table.line)
-        notes += masked + codes
+        written = table.columns[column.column]
+        values, codes = without_codes(column.column, values, written, table.line)
+        values, dropped = without_dropped(column.column, column.unit, values, written, table.line)
+        notes += masked + codes + dropped
         if not np.isfinite(values).any():
             raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         out[channel] = np.array(values, dtype=float)

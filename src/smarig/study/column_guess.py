@@ -365,8 +365,9 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
     most = max(abs(f.low), abs(f.high))
     match guess.quantity:
         case q.TEMPERATURE | q.AMBIENT:
-            unit = "K" if f.low > _KELVIN_ABOVE else "degC"
-            reason, sure = f"{f.low:.3g} to {f.high:.3g} are plausible temperatures in {unit}", LIKELY
+            low = f.lowest_reading
+            unit = "K" if low > _KELVIN_ABOVE else "degC"
+            reason, sure = f"{low:.3g} to {f.high:.3g} are plausible temperatures in {unit}", LIKELY
         case q.STRAIN:
             unit = "mm/mm" if most < _STRAIN_MM else "%" if most < _STRAIN_PERCENT else "ppm"
             reason, sure = f"{most:.3g} {unit} is a usual strain of these wires", LIKELY
