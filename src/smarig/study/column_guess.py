@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 
 from smarig.core import shown
-from smarig.exchange import FoundColumn, FoundTable, convert, dimension, known_unit
+from smarig.exchange import FoundColumn, FoundTable, continued_counts, convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
+from smarig.study.shared_prefixes import shared_prefix
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
@@ -116,16 +117,27 @@ def guess_columns(
     table: FoundTable, units: Mapping[str, str], files: Sequence[str] = ()
 ) -> list[ColumnGuess]:
     """A guess for each column of a table. ``units`` are given by the user; ``files`` names of files of this layout."""
-    guesses = [_by_name(column_facts(column)) for column in table.columns]
+    prefix = shared_prefix(table.names)
+    guesses = [_by_name(column_facts(column), prefix) for column in table.columns]
     guesses = _by_numbers(guesses, [table.path.name, table.path.stem, *files])
     guesses = _with_steps_as_rates(guesses)
-    guesses = [_with_unit(guess) for guess in guesses]
+    guesses = [_continued(_with_unit(guess)) for guess in guesses]
     return [g.corrected(units[g.name]) if g.name in units else g for g in guesses]
 
 
-def _by_name(facts: ColumnFacts) -> ColumnGuess:
-    """The quantity by name and unit."""
-    label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
+def _continued(guess: ColumnGuess) -> ColumnGuess:
+    """The guess with the counts of an encoder continued where its register passes an end."""
+    if guess.unit != "count" or guess.quantity not in (q.DISPLACEMENT, q.ANGLE):
+        return guess
+    f = guess.facts
+    counts = continued_counts(f.values)
+    return replace(guess, facts=column_facts(FoundColumn(f.name, f.written_unit, counts, f.kind, f.comment)))
+
+
+def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
+    """The quantity by name, without a prefix that other names share, and unit."""
+    name = "" if _nameless(facts.name) else facts.name.removeprefix(prefix)
+    label, written = q.name_and_unit(name, facts.written_unit)
     written = written or (label if _is_part_of_second(label) else "")
     whole = q.is_quotient(label)  # dB/dt and dL/L0 are no paths
     parts = [label] if whole else label.split("/")[::-1]  # of a path, the last that says something

@@ -38,9 +38,12 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (CYCLE, r"cycle (no|num|count|index)|^cycle$|\bcycles$|^zyklus|^loop$|segment"),
     (
         INDEX,
-        r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",
+        r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no|\bseq\b",
     ),
-    (TIME, r"^t$|^tout$|time|epoch|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
+    (
+        TIME,
+        r"^t$|^tout$|time|epoch|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value|\bstamp$",
+    ),
     (DUTY, r"pwm|duty|control input|tastgrad"),
     (
         TEMPERATURE,
