@@ -124,6 +124,7 @@ def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) 
         layout={"workbook": entries},
         header=table.header,
         above=rows_above(rows[: max(header, 0)], block),
+        titles=tuple(row[0] for row in rows[: max(header, 0)] if len(row) == 1),
     )
 
 

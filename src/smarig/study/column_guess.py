@@ -25,8 +25,7 @@ _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 toge
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
 _LAST_S = 2.0**32  # from 1970: no clock of 32 bits goes on
 _OF_TEMPERATURE = re.compile(r"dT|[Tt]emp|heating|cooling|[°K]C?\s*/|degC\s*/")
-_OF_SENSOR = re.compile(r"[\w.-]+/\S+|[A-Za-z]+\d\S*")  # U9C/500N, WA20mm
-_IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
+VALUE_IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,7 +292,7 @@ def _value_in_name(f: ColumnFacts, files: Sequence[str]) -> str:
     """The quantity of a nearly constant column whose value a file's name states with a unit."""
     mean = float(np.mean(f.known))
     for text in files:
-        for value, unit in _IN_NAME.findall(text):
+        for value, unit in VALUE_IN_NAME.findall(text):
             if abs(float(value.replace(",", ".")) - mean) <= 0.05 * abs(mean):
                 return {"MPa": q.STRESS, "N": q.FORCE, "Hz": "frequency"}.get(unit, q.TEMPERATURE)
     return ""
@@ -304,37 +303,6 @@ def is_rate_of_output(guess: ColumnGuess) -> bool:
     f = guess.facts
     moves = f.known.size > 1 and f.span > 0
     return guess.quantity == q.RATE and moves and not _OF_TEMPERATURE.search(guess.name)
-
-
-def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
-    """Conditions that a file's name states with their units: value and unit by name.
-
-    >>> conditions_in_name("wire_150MPa")
-    {'stress': (150.0, 'MPa')}
-    """
-    names = {"MPa": ("stress", "MPa"), "N": ("load", "N"), "Hz": ("frequency", "Hz")}
-    found = {}
-    for value, unit in _IN_NAME.findall(stem):
-        if unit in names:
-            found[names[unit][0]] = (float(value.replace(",", ".")), names[unit][1])
-    return found
-
-
-def conditions_in_comments(columns: Sequence[FoundColumn]) -> dict[str, tuple[float, str]]:
-    """Conditions that the comments of columns state. The name of a sensor, as U9C/500N, states none; nor does a value
-    in the unit of its own column, which is the range of a channel.
-
-    >>> stated = lambda unit, comment: conditions_in_comments([FoundColumn("F", unit, np.ones(2), comment=comment)])
-    >>> stated("mV/V", "U9C/500N"), stated("N", "500 N"), stated("N", "60 MPa")
-    ({}, {}, {'stress': (60.0, 'MPa')})
-    """
-    found = {}
-    for column in columns:
-        own = dimension(known_unit(q.name_and_unit(column.name, column.unit)[1]))
-        of_sensors = _OF_SENSOR.sub(" ", column.comment)
-        stated = conditions_in_name(of_sensors).items()
-        found |= {name: (value, unit) for name, (value, unit) in stated if dimension(unit) != own}
-    return found
 
 
 def _with_steps_as_rates(guesses: Sequence[ColumnGuess]) -> list[ColumnGuess]:
