@@ -77,14 +77,24 @@ def answering(guess: TableGuess, command: StudyCommand) -> str:
 
 
 def assumed_unit(guess: TableGuess, command: StudyCommand) -> str:
-    """That the unit of temperatures is assumed, with the commands that state another; "" if the file states it."""
-    assumed = [c for c in guess.columns if c.quantity in (q.TEMPERATURE, q.AMBIENT) and c.unit_is_assumed]
-    if not assumed or command.options.mapping is not None:
+    """Which units of temperatures, of the input and of the output are assumed, with the commands that state others; ""
+    if the file states them all.
+    """
+    if command.options.mapping is not None:
         return ""
-    names = " and ".join(shown(typed_name(guess.table, c.name)) for c in assumed)
-    units = [unit for unit in q.USUAL_UNITS[q.TEMPERATURE] if unit != assumed[0].unit]
-    answers = ({f"unit {c.name}": unit for c in assumed} for unit in units)
-    sentence = f"The file states no unit of {names}: {display_unit(assumed[0].unit)} is assumed."
+    hot = [c for c in guess.columns if c.quantity in (q.TEMPERATURE, q.AMBIENT)]
+    others = [[c] for role in _ROLES for c in guess.of_role(role) if c not in hot]
+    assumed = [[c for c in columns if c.unit_is_assumed] for columns in (hot, *others)]
+    return " ".join(_assumed(columns, guess, command) for columns in assumed if columns)
+
+
+def _assumed(columns: Sequence[ColumnGuess], guess: TableGuess, command: StudyCommand) -> str:
+    """That the unit of columns of one quantity is assumed, with the commands that state another."""
+    first = columns[0]
+    names = " and ".join(shown(typed_name(guess.table, c.name)) for c in columns)
+    units = [unit for unit in q.USUAL_UNITS.get(first.quantity, ()) if unit != first.unit]
+    answers = ({f"unit {c.name}": unit for c in columns} for unit in units)
+    sentence = f"The file states no unit of {names}: {display_unit(first.unit)} is assumed."
     return sentence + _listed(" If it is another, name it", guess, command, answers)
 
 
