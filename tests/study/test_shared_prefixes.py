@@ -41,7 +41,9 @@ def test_a_sequence_with_gaps_and_its_stamps_are_no_outputs():
     table = table_of(**columns("field.", COUNTS, rows))
     guess = guess_table(table, input="field.temp_c")
     assert guess.first("output").name == "field.encoder"
-    assert {guess.roles[f"field.header.{name}"].role for name in ("seq", "stamp")} == {"ignored"}
+    quantities = {c.name: c.quantity for c in guess.columns}
+    assert quantities["field.header.seq"] == "row number"
+    assert quantities["field.header.stamp"] == "time"
 
 
 @pytest.mark.parametrize(

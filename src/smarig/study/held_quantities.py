@@ -1,7 +1,6 @@
 """Whether a quantity was held: throughout, or at several levels while another one went there and back."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -23,8 +22,8 @@ def held_levels(load: ColumnGuess, drive: ColumnGuess) -> list[slice]:
     """The rows of each level at which a load is held for a cycle of another quantity or more; none if there are not two
     such levels.
     """
-    parts = [part for part in _held_rows(load.facts.values) if _has_cycle(drive, part)]
-    return parts if len(parts) > 1 and all(holds_still(_rows_of(load, part)) for part in parts) else []
+    rows = [part for part in _parts_with_travel(load.facts.values, drive) if _has_cycle(drive, part)]
+    return rows if len(rows) > 1 and all(holds_still(_rows_of(load, part)) for part in rows) else []
 
 
 def holds_still(c: ColumnGuess) -> bool:
@@ -55,9 +54,11 @@ def scatters(x: Array) -> bool:
     return bool(x.size > 10 and np.std(np.diff(x)) > np.std(x))
 
 
-def _held_rows(load: Array) -> list[slice]:
-    """The rows of each level of a load, one level after the other; between levels is a step of more than the range of
-    the noise. Rows on the way from level to level are parts of their own.
+def _parts_with_travel(load: Array, drive: ColumnGuess) -> list[slice]:
+    """The rows of each level of a load, one level after the other, in which the input travels half its range or more.
+
+    Between levels is a step of more than the range of the noise. Rows on the way from level to level are parts of
+    their own.
     """
     known = np.flatnonzero(np.isfinite(load))
     x = load[known]
@@ -66,15 +67,18 @@ def _held_rows(load: Array) -> list[slice]:
     ordered = np.sort(x)
     gaps = np.flatnonzero(np.diff(ordered) > noise_range(x))
     level = np.searchsorted((ordered[gaps] + ordered[gaps + 1]) / 2, x)
-    edges = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), x.size]
-    return [slice(int(known[a]), int(known[b - 1]) + 1) for a, b in pairwise(edges)]
+    first = np.concatenate([[0], np.flatnonzero(np.diff(level)) + 1])
+    last = np.concatenate([first[1:], [x.size]]) - 1
+    u = drive.facts.values[known]
+    travel = np.fmax.reduceat(u, first) - np.fmin.reduceat(u, first)
+    wide = np.flatnonzero(2 * travel > drive.facts.span)
+    return [slice(int(known[first[k]]), int(known[last[k]]) + 1) for k in wide]
 
 
 def _has_cycle(drive: ColumnGuess, part: slice) -> bool:
-    """Whether the input goes there and back in these rows, as far as it does at all."""
+    """Whether the input goes there and back in these rows."""
     u = drive.facts.values[part]
-    u = u[np.isfinite(u)]
-    return bool(u.size > 2 and 2 * np.ptp(u) > drive.facts.span and wide_turns(u).size >= _FEWEST_TURNS)
+    return wide_turns(u[np.isfinite(u)]).size >= _FEWEST_TURNS
 
 
 def _rows_of(c: ColumnGuess, part: slice) -> ColumnGuess:
