@@ -57,6 +57,15 @@ def test_rows_without_a_reading_are_left_out_counted_and_split_no_load(tmp_path,
     assert "starts again" not in " ".join(result.reasons) + texts
 
 
+def test_a_mark_counts_where_a_channel_is_near_zero(tmp_path):
+    """The first load hardly moves the wire."""
+    data = channels((1.0, 12.0))
+    data[2, : U.size] = 0.02 + 0.005 * (data[2, : U.size] - 2)
+    rows = [0, 60, 110, 250, 330]
+    found = lost_rows(dict(zip(NAMES, marked(data, rows, -2.0))))
+    assert np.flatnonzero(found).tolist() == [row + k for k, row in enumerate(rows)]
+
+
 def test_zeros_that_are_readings_are_kept():
     t, u, x, force = channels()
     path = 100 * np.sin(np.linspace(0, 6 * np.pi, 61))  # through 0 at the ends and between

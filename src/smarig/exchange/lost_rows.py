@@ -53,8 +53,9 @@ def lost_rows(columns: Mapping[str, Array]) -> NDArray[np.bool_]:
     others = every[1:]  # a mark may stand in the first
     dropped = np.array([drops(x) for x in others])
     spared = np.array([np.isnan(x) | _only_rises(x[~able]) for x in others])
-    lost = able & (dropped.sum(axis=0) >= _FEWEST) & (dropped | spared).all(axis=0)
-    return lost & (_is_between(~able) | _is_repeated(every, lost & _is_between(~able)))
+    far = (dropped.sum(axis=0) >= _FEWEST) & (dropped | spared).all(axis=0)
+    sure = able & far & _is_between(~able)
+    return sure | _is_repeated(every, sure)
 
 
 def _only_rises(x: Array) -> bool:
@@ -73,7 +74,9 @@ def _is_between(kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _is_repeated(every: list[Array], sure: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Mask of the rows (n,) that are equal to a row that holds no reading in every column."""
+    """Mask of the rows (n,) that are equal to a row that holds no reading in every column: where a channel is near 0 as
+    well, and at the ends, the mark tells it.
+    """
     found = np.zeros(sure.size, dtype=bool)
     for row in np.unique(np.array([x[sure] for x in every]).T, axis=0):
         found |= np.all([x == value for x, value in zip(every, row)], axis=0)
