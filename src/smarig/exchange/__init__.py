@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from smarig.exchange.unit_conversion import convert as convert
     from smarig.exchange.unit_conversion import dimension as dimension
     from smarig.exchange.value_bounds import plausible as plausible
+    from smarig.exchange.wrapped_counts import continued_counts as continued_counts
     from smarig.exchange.written_units import known_unit as known_unit
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -41,7 +41,7 @@ class FoundTable:
     ``above`` are the cells of the rows above the names, the nearest first, as titles of groups of columns. ``breaks``
     are the rows, from 0, above which lines of text stand, as titles of segments. ``left_out`` are rows of
     the file that are in none of its tables, by their lines, each with the reason. ``scalars`` are single numbers of
-    the record with their units, by name.
+    the record with their units, by name; ``titles`` are rows of one cell above the names.
     """
 
     path: Path
@@ -55,6 +55,7 @@ class FoundTable:
     breaks: tuple[int, ...] = ()
     left_out: dict[str, str] = field(default_factory=dict)
     scalars: dict[str, tuple[float, str]] = field(default_factory=dict)
+    titles: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return self.columns[0].values.size if self.columns else 0

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, shown, spaced
 from smarig.exchange.channel_faults import quantum, unused_findings
+from smarig.exchange.channel_readings import channel_readings, scaled
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
-from smarig.exchange.mapping import Column, Condition, MappingFile, require_columns
+from smarig.exchange.lost_rows import without_lost_rows
+from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import Table, TableLayout
@@ -31,7 +33,6 @@ from smarig.exchange.value_bounds import (
     check_size,
     check_strain,
     plausible,
-    possible,
     without_codes,
 )
 from smarig.record import OWN_ZERO, ImportFinding, remarks
@@ -56,7 +57,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
         clock=mapping.time.column if mapping.time and mapping.time.written == "clock" else "",
         text=tuple(mapping.ignore),
     )
-    table = read_table(path, layout)
+    table = without_lost_rows(read_table(path, layout))
     require_columns(mapping, list(table.columns), path)
     return mapped_draft(path, table, mapping)
 
@@ -250,15 +251,13 @@ def _branch_rows(table: Table, mapping: MappingFile) -> list[NDArray[np.int64]]:
 def _channels(
     path: Path, table: Table, mapping: MappingFile, columns: dict
 ) -> tuple[dict[str, Array], list[ImportFinding]]:
-    """The channels of a branch, and findings on readings that are masked because they are impossible."""
+    """The channels of a branch, and findings on readings that are masked or continued."""
     out, notes = {"t_s": table.columns["t_s"]}, list[ImportFinding]()
     for channel, column in columns.items():
+        strain = channel == "position" and _is_strain(mapping)
         unit = mapping.unit_of(channel)
-        values = convert(_scaled(table, column), column.unit, unit)
-        strain = unit if channel == "position" and _is_strain(mapping) else ""
-        values, masked = possible(path, channel, column.column, values, table.line, strain)
-        values, codes = without_codes(column.column, values, table.columns[column.column], table.line)
-        notes += masked + codes
+        values, found = channel_readings(path, table, channel, column, unit, strain=strain)
+        notes += found
         if not np.isfinite(values).any():
             raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         out[channel] = np.array(values, dtype=float)
@@ -267,10 +266,6 @@ def _channels(
 
 def _is_strain(mapping: MappingFile) -> bool:
     return mapping.output is not None and mapping.output.quantity == "strain"
-
-
-def _scaled(table: Table, column: Column | Condition) -> Array:
-    return column.scale * table.columns[column.column] + column.offset
 
 
 def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[str, Any], list[ImportFinding]]:
@@ -284,7 +279,7 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
             out[name] = {"unit": spelled(column.unit)} | dict.fromkeys(("mean", "min", "max"), column.value)
             continue
         x, codes = without_codes(
-            column.column, _scaled(table, column), table.columns[column.column], table.line
+            column.column, scaled(table, column), table.columns[column.column], table.line
         )
         messages += codes
         if not np.isfinite(x).any():

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from smarig.core import Array
 from smarig.exchange.channel_faults import lone_spikes
+from smarig.exchange.dropped_readings import drops
 from smarig.exchange.reader_result import RunDraft
-from smarig.measurement import dropouts
 from smarig.record import FindingKind, remarks
 
 Mask = NDArray[np.bool_]
@@ -56,7 +56,7 @@ def repaired(draft: RunDraft) -> tuple[RunDraft, tuple[Repair, ...]]:
     if draft.steps or "input" not in draft.columns:
         return draft, ()
     columns = {name: x.copy() for name, x in draft.columns.items()}
-    found = [_masked(columns, "drop-outs", _driving(columns), _dropouts(columns["input"]))]
+    found = [_masked(columns, "drop-outs", _driving(columns), drops(columns["input"]))]
     for name in ("input", "position"):
         if name in columns:
             channels = _driving(columns) if name == "input" else [name]
@@ -78,13 +78,6 @@ def _driving(columns: Mapping[str, Array]) -> list[str]:
     u = columns["input"]
     copies = [n for n, x in columns.items() if n != "input" and np.array_equal(x, u, equal_nan=True)]
     return ["input", *copies]
-
-
-def _dropouts(u: Array) -> Mask:
-    found = np.zeros(u.size, dtype=bool)
-    known = np.flatnonzero(np.isfinite(u))
-    found[known] = dropouts(u[known])
-    return found
 
 
 def _masked(

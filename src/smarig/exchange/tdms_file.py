@@ -1,7 +1,7 @@
 """Reads groups of LabVIEW TDMS files with npTDMS: the channels of one length, their units, and their common clock."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -24,17 +24,23 @@ _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 def tdms_tables(path: Path) -> list[FoundTable]:
     """A table for each group of two numeric channels or more of one length; DataError if there is none."""
     with _opened(path) as file:
-        groups = [(group.name, _columns(path, group)) for group in file.groups()[:MAX_GROUPS]]
-        header = {str(key): str(value) for key, value in file.properties.items()}
-    tables = {name: columns for name, columns in groups if len(columns) >= 2}
+        groups = [(group, _columns(path, group)) for group in file.groups()[:MAX_GROUPS]]
+        headers = {group.name: _texts(file.properties) | _texts(group.properties) for group, _ in groups}
+    tables = {group.name: columns for group, columns in groups if len(columns) >= 2}
     if not tables:
         raise DataError(
             f"{path} holds no group with two numeric channels of one length. Give a file of measured columns."
         )
     return [
-        FoundTable(path, "tdms", name if len(tables) > 1 else "", columns, {"tdms": {"group": name}}, header)
+        FoundTable(
+            path, "tdms", name if len(tables) > 1 else "", columns, {"tdms": {"group": name}}, headers[name]
+        )
         for name, columns in tables.items()
     ]
+
+
+def _texts(properties: Mapping[str, Any]) -> dict[str, str]:
+    return {str(key): str(value) for key, value in properties.items()}
 
 
 def read_tdms(path: Path, mapping: MappingFile, layout: TdmsLayout) -> Table:

@@ -12,6 +12,7 @@ from smarig.exchange.cell_values import has_thousands
 from smarig.exchange.channel_rows import check_one_channel
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.json_document import no_table_in
+from smarig.exchange.lost_rows import without_lost_rows
 from smarig.exchange.table_file import read_table
 from smarig.exchange.table_rows import split
 from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks, rows_above
@@ -188,7 +189,7 @@ def _table(
         clock=clock,
         text=tuple(name for name, kind in kinds.items() if kind != "number" and name != clock),
     )
-    table = read_table(path, layout)
+    table = without_lost_rows(read_table(path, layout))
     begin = max((b.stop for b in blocks if b.stop <= block.first), default=0)
     before = lines[begin : block.first if block.header is None else block.header]
     number = blocks.index(block) + 1

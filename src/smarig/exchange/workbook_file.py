@@ -18,6 +18,7 @@ from smarig.core import Array, DataError, UsageError, shown
 from smarig.exchange.cell_values import number_column
 from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.found_table import CLOCK, NUMBER, FoundTable, found_columns
+from smarig.exchange.lost_rows import without_lost_rows
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import WorkbookLayout
 from smarig.exchange.needed_package import needed_package
@@ -99,7 +100,7 @@ def _table(
         )
     header = preamble_keys([": ".join(cell for cell in row if cell) for row in rows[: max(first - 1, 0)]])
     notes = missing_notes(columns, written, no_reading=no_reading)
-    return Table(columns, np.array(where, dtype=np.int64), header, tuple(notes))
+    return without_lost_rows(Table(columns, np.array(where, dtype=np.int64), header, tuple(notes)))
 
 
 def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) -> FoundTable:
@@ -123,6 +124,7 @@ def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) 
         layout={"workbook": entries},
         header=table.header,
         above=rows_above(rows[: max(header, 0)], block),
+        titles=tuple(row[0] for row in rows[: max(header, 0)] if len(row) == 1),
     )
 
 

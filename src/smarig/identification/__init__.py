@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from smarig.identification.measured.measured_hypothesis import condition_table as condition_table
     from smarig.identification.measured.reading_weights import local_slope as local_slope
     from smarig.identification.noise_floor import noise_floor as noise_floor
+    from smarig.identification.output_senses import opposite_senses as opposite_senses
     from smarig.identification.positive.adapted_partition import SAME_LEVEL as SAME_LEVEL
     from smarig.identification.positive.adapted_partition import adapted_nodes as adapted_nodes
     from smarig.identification.positive.observations import Observations as Observations

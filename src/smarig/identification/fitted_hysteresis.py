@@ -6,10 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import Array, DataError, correlation, spaced
+from smarig.core import Array, DataError, spaced
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_curves import curves_from_run
+from smarig.identification.output_senses import (
+    LEAST_CORRELATION,
+    largest_correlation,
+    opposite_senses,
+    senses_of_branches,
+)
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.run_zeros import spread_about_zeros, with_own_zeros
@@ -30,7 +36,6 @@ _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
 _NO_HYSTERESIS = 1 - 1e-6  # share of the measure on the diagonal: hardly any hysteresis is left
 _UNFOLLOWED_SHARE = 0.3  # of the output's standard deviation: a fit without hysteresis must leave less
-_LEAST_CORRELATION = 0.3  # of output and input: with a smaller one, the output does not follow its input
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,17 +109,14 @@ def fitted_positive(
                 "The output falls while the input rises. The measure is that of its negative; the model predicts the "
                 "output as recorded."
             ]
-    if fit.rms > _UNEXPLAINED_SHARE * spread and _correlation(runs) < _LEAST_CORRELATION:
-        raise DataError(
-            "No positive measure fits this output, nor its negative: it does not move with the input. Check what "
-            "was recorded as input and as output."
-        )
+    if fit.rms > _UNEXPLAINED_SHARE * spread and largest_correlation(runs) < LEAST_CORRELATION:
+        raise DataError(f"No positive measure fits this output, nor its negative: {_why_none(runs)}")
     if fit.rms > _UNEXPLAINED_SHARE * spread:
         warnings.append(
             f"The model leaves {100 * fit.rms / spread:.0f} % of the output's standard deviation unexplained. The "
             "output hardly follows the input through a Preisach model. Diagnose the runs."
         )
-    _check_follows(fit, spread)
+    _check_follows(fit, spread, runs)
     figures = positive_figures(fit, observations, data, weights, select)
     return FittedHysteresis(
         image=fit.table if table is None else table,
@@ -127,22 +129,25 @@ def fitted_positive(
     )
 
 
-def _check_follows(fit: PositiveFit, spread: float) -> None:
+def _why_none(runs: Sequence[Run]) -> str:
+    """Why no positive measure fits an output that does not move with the input over a whole run."""
+    if senses := senses_of_branches(runs):
+        return f"{senses}. Something else than the input differs between them. Identify each in a run of its own."
+    return "it does not move with the input. Check what was recorded as input and as output."
+
+
+def _check_follows(fit: PositiveFit, spread: float, runs: Sequence[Run]) -> None:
     """Raise DataError if the best positive measure has no hysteresis and misses that of the output (sd ``spread``)."""
-    if not fit.reversible_share <= _NO_HYSTERESIS and fit.rms > _UNFOLLOWED_SHARE * spread:
-        raise DataError(
-            "No positive measure follows this output: the best one has no hysteresis and leaves "
-            f"{100 * fit.rms / spread:.0f} % of the output's standard deviation unexplained, as if the output led its "
-            "input. Exchange input and output in the mapping (the columns of input and position, and [input] with "
-            "[output]), or identify a measure of any sign (--surface exponential or table)."
-        )
-
-
-def _correlation(runs: Sequence[Run]) -> float:
-    """The largest absolute correlation of inputs and outputs within a run."""
-    pairs = [run.points() for run in runs]
-    moved = [(u, y) for u, y in pairs if u.size > 2 and np.ptp(u) > 0 and np.ptp(y) > 0]
-    return max((abs(correlation(u, y)) for u, y in moved), default=0.0)
+    if fit.reversible_share <= _NO_HYSTERESIS or fit.rms <= _UNFOLLOWED_SHARE * spread:
+        return
+    if opposite := opposite_senses(runs):
+        raise DataError(f"No positive measure follows this output: {opposite}. Identify each by itself.")
+    raise DataError(
+        "No positive measure follows this output: the best one has no hysteresis and leaves "
+        f"{100 * fit.rms / spread:.0f} % of the output's standard deviation unexplained, as if the output led its "
+        "input. Exchange input and output in the mapping (the columns of input and position, and [input] with "
+        "[output]), or identify a measure of any sign (--surface exponential or table)."
+    )
 
 
 def check_usable(y: Array, alpha: Array, unit: str) -> None:

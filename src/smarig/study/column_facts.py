@@ -6,6 +6,7 @@ import numpy as np
 
 from smarig.core import Array, root_mean_square
 from smarig.exchange import FoundColumn, plausible
+from smarig.measurement import dropouts
 
 CONSTANT_SHARE = 0.1  # of the mean: a column that varies less counts as a condition
 _STEP_SHARE = 0.01  # of the rms step: a column that differs less from the steps of another one holds them
@@ -44,6 +45,11 @@ class ColumnFacts:
     def span(self) -> float:
         """Highest minus lowest value."""
         return self.high - self.low
+
+    @property
+    def lowest_reading(self) -> float:
+        """The lowest value, drop-outs to 0 aside."""
+        return float(np.min(self.known[~dropouts(self.known)]))
 
     @property
     def known(self) -> Array:

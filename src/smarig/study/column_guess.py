@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 
 from smarig.core import shown
-from smarig.exchange import FoundColumn, FoundTable, convert, dimension, known_unit
+from smarig.exchange import FoundColumn, FoundTable, continued_counts, convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
+from smarig.study.shared_prefixes import shared_prefix
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
-_WHATEVER_UNIT = (q.RATE, q.INDEX, q.SCATTER)  # quantities that a name states whatever the unit is
+_WHATEVER_UNIT = (q.RATE, q.INDEX, q.SCATTER, q.STATUS)  # quantities that a name states whatever the unit is
 _ANY_TIME = "assumed: equal steps of whole numbers may be s, ms or others"
 ASSUMED = "assumed: no unit is stated"
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
@@ -24,8 +25,7 @@ _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 toge
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
 _LAST_S = 2.0**32  # from 1970: no clock of 32 bits goes on
 _OF_TEMPERATURE = re.compile(r"dT|[Tt]emp|heating|cooling|[°K]C?\s*/|degC\s*/")
-_OF_SENSOR = re.compile(r"[\w.-]+/\S+|[A-Za-z]+\d\S*")  # U9C/500N, WA20mm
-_IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
+VALUE_IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,16 +116,27 @@ def guess_columns(
     table: FoundTable, units: Mapping[str, str], files: Sequence[str] = ()
 ) -> list[ColumnGuess]:
     """A guess for each column of a table. ``units`` are given by the user; ``files`` names of files of this layout."""
-    guesses = [_by_name(column_facts(column)) for column in table.columns]
+    prefix = shared_prefix(table.names)
+    guesses = [_by_name(column_facts(column), prefix) for column in table.columns]
     guesses = _by_numbers(guesses, [table.path.name, table.path.stem, *files])
     guesses = _with_steps_as_rates(guesses)
-    guesses = [_with_unit(guess) for guess in guesses]
+    guesses = [_continued(_with_unit(guess)) for guess in guesses]
     return [g.corrected(units[g.name]) if g.name in units else g for g in guesses]
 
 
-def _by_name(facts: ColumnFacts) -> ColumnGuess:
-    """The quantity by name and unit."""
-    label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
+def _continued(guess: ColumnGuess) -> ColumnGuess:
+    """The guess with the counts of an encoder continued where its register passes an end."""
+    if guess.unit != "count" or guess.quantity not in (q.DISPLACEMENT, q.ANGLE):
+        return guess
+    f = guess.facts
+    counts = continued_counts(f.values)
+    return replace(guess, facts=column_facts(FoundColumn(f.name, f.written_unit, counts, f.kind, f.comment)))
+
+
+def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
+    """The quantity by name, without a prefix that other names share, and unit."""
+    name = "" if _nameless(facts.name) else facts.name.removeprefix(prefix)
+    label, written = q.name_and_unit(name, facts.written_unit)
     written = written or (label if _is_part_of_second(label) else "")
     whole = q.is_quotient(label)  # dB/dt and dL/L0 are no paths
     parts = [label] if whole else label.split("/")[::-1]  # of a path, the last that says something
@@ -281,7 +292,7 @@ def _value_in_name(f: ColumnFacts, files: Sequence[str]) -> str:
     """The quantity of a nearly constant column whose value a file's name states with a unit."""
     mean = float(np.mean(f.known))
     for text in files:
-        for value, unit in _IN_NAME.findall(text):
+        for value, unit in VALUE_IN_NAME.findall(text):
             if abs(float(value.replace(",", ".")) - mean) <= 0.05 * abs(mean):
                 return {"MPa": q.STRESS, "N": q.FORCE, "Hz": "frequency"}.get(unit, q.TEMPERATURE)
     return ""
@@ -292,37 +303,6 @@ def is_rate_of_output(guess: ColumnGuess) -> bool:
     f = guess.facts
     moves = f.known.size > 1 and f.span > 0
     return guess.quantity == q.RATE and moves and not _OF_TEMPERATURE.search(guess.name)
-
-
-def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
-    """Conditions that a file's name states with their units: value and unit by name.
-
-    >>> conditions_in_name("wire_150MPa")
-    {'stress': (150.0, 'MPa')}
-    """
-    names = {"MPa": ("stress", "MPa"), "N": ("load", "N"), "Hz": ("frequency", "Hz")}
-    found = {}
-    for value, unit in _IN_NAME.findall(stem):
-        if unit in names:
-            found[names[unit][0]] = (float(value.replace(",", ".")), names[unit][1])
-    return found
-
-
-def conditions_in_comments(columns: Sequence[FoundColumn]) -> dict[str, tuple[float, str]]:
-    """Conditions that the comments of columns state. The name of a sensor, as U9C/500N, states none; nor does a value
-    in the unit of its own column, which is the range of a channel.
-
-    >>> stated = lambda unit, comment: conditions_in_comments([FoundColumn("F", unit, np.ones(2), comment=comment)])
-    >>> stated("mV/V", "U9C/500N"), stated("N", "500 N"), stated("N", "60 MPa")
-    ({}, {}, {'stress': (60.0, 'MPa')})
-    """
-    found = {}
-    for column in columns:
-        own = dimension(known_unit(q.name_and_unit(column.name, column.unit)[1]))
-        of_sensors = _OF_SENSOR.sub(" ", column.comment)
-        stated = conditions_in_name(of_sensors).items()
-        found |= {name: (value, unit) for name, (value, unit) in stated if dimension(unit) != own}
-    return found
 
 
 def _with_steps_as_rates(guesses: Sequence[ColumnGuess]) -> list[ColumnGuess]:
@@ -365,8 +345,9 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
     most = max(abs(f.low), abs(f.high))
     match guess.quantity:
         case q.TEMPERATURE | q.AMBIENT:
-            unit = "K" if f.low > _KELVIN_ABOVE else "degC"
-            reason, sure = f"{f.low:.3g} to {f.high:.3g} are plausible temperatures in {unit}", LIKELY
+            low = f.lowest_reading
+            unit = "K" if low > _KELVIN_ABOVE else "degC"
+            reason, sure = f"{low:.3g} to {f.high:.3g} are plausible temperatures in {unit}", LIKELY
         case q.STRAIN:
             unit = "mm/mm" if most < _STRAIN_MM else "%" if most < _STRAIN_PERCENT else "ppm"
             reason, sure = f"{most:.3g} {unit} is a usual strain of these wires", LIKELY

@@ -11,9 +11,9 @@ import numpy as np
 
 from smarig.core import Array
 from smarig.exchange import FoundColumn, FoundTable
-from smarig.study.column_guess import conditions_in_comments
 from smarig.study.input_turns import wide_turns
 from smarig.study.row_parts import table_of_rows
+from smarig.study.stated_conditions import conditions_in_comments
 from smarig.study.table_guess import TableGuess, guess_table
 
 _AGAIN = re.compile(r"(.+) \((\d+)\)")  # a name that was written before

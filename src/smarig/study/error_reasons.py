@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.exchange import dimension
-from smarig.identification import RunVerification
+from smarig.identification import RunVerification, opposite_senses
 from smarig.measurement import first_branch_differs, reversals
 from smarig.record import FindingKind, Run
 from smarig.replay import recorded_conditions
@@ -41,7 +41,7 @@ def error_reasons(split: DataSplit, best: CandidateModel, *, undetermined: bool 
             "both ways."
         ]
     back = [*_turned_back(best)]
-    found = [*_conditions(split), *_range(best), *back, *_repeats(best)]
+    found = [*_senses(split), *_conditions(split), *_range(best), *back, *_repeats(best)]
     if back and _misses_fitted(best):  # what goes back is missed, whatever else is right
         return found
     return [*found, *_fit(split, best, explained=bool(found), undetermined=undetermined)]
@@ -88,6 +88,12 @@ def _first_of(tables: Sequence[ImportedTable], kinds: Sequence[FindingKind]) -> 
 
 def _of_kind(tables: Sequence[ImportedTable], kind: FindingKind) -> list[str]:
     return [f.text for t in tables for f in t.findings if f.kind == kind]
+
+
+def _senses(split: DataSplit) -> Iterator[str]:
+    """That the output follows the input in opposite senses, which one positive measure gives in no run."""
+    if opposite := opposite_senses(() if split.select else (*split.train, *split.held_out)):
+        yield f"{opposite[0].upper()}{opposite[1:]}: no model with one positive measure does both. Fit them separately."
 
 
 def _conditions(split: DataSplit) -> Iterator[str]:
@@ -260,4 +266,4 @@ def _misses_fitted(best: CandidateModel) -> bool:
 
 
 def _listed(values: Sequence[float]) -> str:
-    return ", ".join(f"{v:.3g}" for v in sorted(values))
+    return ", ".join(f"{float(f'{v:.3g}'):g}" for v in sorted(values))

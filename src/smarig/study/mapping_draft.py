@@ -1,25 +1,20 @@
 """Writes the meaning of a table as a mapping file, with the reasons as comments."""
 
 import json
-import re
 from typing import Any
 
-from smarig.exchange import convert, dimension, known_unit
+from smarig.exchange import convert, dimension
 from smarig.study import quantity_words as q
-from smarig.study.column_guess import ColumnGuess, conditions_in_comments, conditions_in_name
+from smarig.study.column_guess import ColumnGuess
 from smarig.study.row_period import row_period
 from smarig.study.second_thermometer import AGREE_K
+from smarig.study.stated_conditions import CONDITIONS, stated_conditions
 from smarig.study.table_guess import TableGuess
 
 _STORED = {"length": "mm", "temperature": "degC", "ratio": "mm/mm"}  # units in which outputs are stored
 _HEAT_FLOWS = {"heat flow": "W/g", "power": "mW"}
 _CHANNELS = {q.TEMPERATURE: "temperature_degC", q.CURRENT: "current_A"}
-_CONDITIONS = {q.STRESS: "stress", q.FORCE: "load", q.FIELD: "magnetic_field"}
-_HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
-_SCALARS = _CONDITIONS | {q.AMBIENT: "room_temperature"}
-_OF_SPECIMEN = ("applied", "constant", "nominal", "sample", "specimen", "wire", "temperature")
 _UNUSED = ("ignored", "elsewhere")  # roles of columns that are not imported
-_KEY_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]")
 
 
 def mapping_draft(guess: TableGuess, name: str) -> str:
@@ -146,50 +141,18 @@ def _mapped(guess: TableGuess) -> set[str]:
 
 def _condition_lines(guess: TableGuess) -> list[str]:
     lines = []
-    used = [c for c in guess.table.columns if guess.roles[c.name].role in ("input", "output")]
-    clock = conditions_in_comments([c for c in guess.table.columns if guess.roles[c.name].role == "time"])
-    stated = (
-        conditions_in_comments(used).items() - clock.items()
-    )  # a rate of logging is no frequency of the wire
-    named = conditions_in_name(guess.table.path.stem) | dict(stated)
-    columns = [_CONDITIONS[c.quantity] for c in guess.of_role("condition")]
-    for c, key in zip(guess.of_role("condition"), columns, strict=True):
-        named.pop(key, None)
+    stated = stated_conditions(guess)
+    for c in guess.of_role("condition"):
+        key = CONDITIONS[c.quantity]
+        stated.pop(key, None)
         if key == "load" and dimension(c.unit) != "force":
             continue
         lines.append(f"{key} = {{ column = {_s(c.name)}, unit = {_s(c.unit)} }}{_why(guess, c)}")
-    named |= header_conditions(guess)
-    named |= {key: value for key, value in _scalar_conditions(guess).items() if key not in columns}
-    lines += [f"{key} = {{ value = {value!r}, unit = {_s(unit)} }}" for key, (value, unit) in named.items()]
+    lines += [
+        f"{key} = {{ value = {s.value!r}, unit = {_s(s.unit)} }}   # {s.source}".replace("\n", " ")
+        for key, s in stated.items()
+    ]
     return ["", "[conditions]", *lines] if lines else []
-
-
-def _scalar_conditions(guess: TableGuess) -> dict[str, tuple[float, str]]:
-    """Conditions among the single numbers of a record: those whose name states a quantity and nothing else, in a unit
-    of it, as "stress" does, but not "stress_limit".
-    """
-    found = {}
-    for name, (value, written) in guess.table.scalars.items():
-        label, unit = q.name_and_unit(name, written)
-        words = [word for word in re.split(r"[\W_]+", label.lower()) if word not in _OF_SPECIMEN]
-        quantities = {q.quantity_of_name(word)[0] for word in words}
-        quantity = quantities.pop() if len(quantities) == 1 else ""
-        key, known = _SCALARS.get(quantity, ""), known_unit(unit, temperature=True)
-        if key and dimension(known) in q.DIMENSIONS.get(quantity, ()):
-            found[key] = (value, known)
-    return found
-
-
-def header_conditions(guess: TableGuess) -> dict[str, tuple[float, str]]:
-    """Conditions that the lines before the table state: value and unit by name."""
-    found = {}
-    for key, value in guess.table.header.items():
-        match = _KEY_UNIT.fullmatch(key)
-        words, unit = (match[1], match[2]) if match else (key, "")
-        for word, name, usual in _HEADER_CONDITIONS:
-            if word in words.lower() and re.fullmatch(r"[-+]?\d+(\.\d+)?([eE][-+]?\d+)?", value.strip()):
-                found[name] = (float(value), unit or usual)
-    return found
 
 
 def _why(guess: TableGuess, c: ColumnGuess) -> str:

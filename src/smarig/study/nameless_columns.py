@@ -18,8 +18,8 @@ from smarig.study.column_guess import (
     displacement_confidence,
     like_temperature,
 )
+from smarig.study.held_quantities import holds_still, is_noise
 from smarig.study.physical_roles import RoleVote, role_vote
-from smarig.study.signal_columns import holds_still, is_noise
 
 _LIKE_TEMPERATURE = 1.5  # votes: more than one fact of the loop, less than both
 _SURE = 1.0  # votes

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from smarig.exchange import dimension, known_unit
 
 TIME, INDEX, CYCLE, RATE = "time", "row number", "cycle number", "rate"
-SCATTER = "error of a reading"
-NO_SIGNALS = (TIME, INDEX, CYCLE, RATE, SCATTER)  # whatever their units
+SCATTER, STATUS = "error of a reading", "status of an instrument"
+NO_SIGNALS = (TIME, INDEX, CYCLE, RATE, SCATTER, STATUS)  # whatever their units
 TEMPERATURE, AMBIENT = "temperature", "ambient temperature"
 STRAIN, DISPLACEMENT, ANGLE = "strain", "displacement", "angle"
 FORCE, STRESS, PRESSURE, MODULUS = "force", "stress", "pressure", "modulus"
@@ -24,6 +24,7 @@ _OF_LENGTHS = r"(\bd|\bdelta|δ|∆) ?l ?/ ?l"  # ΔL/L0
 
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
+    (STATUS, r"status"),  # "Field Status (code)" is no field
     (
         RATE,
         r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope|\bd\w{1,3} dt\b|"
@@ -37,9 +38,12 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (CYCLE, r"cycle (no|num|count|index)|^cycle$|\bcycles$|^zyklus|^loop$|segment"),
     (
         INDEX,
-        r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",
+        r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no|\bseq\b",
     ),
-    (TIME, r"^t$|^tout$|time|epoch|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
+    (
+        TIME,
+        r"^t$|^tout$|time|epoch|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value|\bstamp$",
+    ),
     (DUTY, r"pwm|duty|control input|tastgrad"),
     (
         TEMPERATURE,

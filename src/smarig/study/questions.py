@@ -10,7 +10,7 @@ from smarig.core import shown
 from smarig.report import display_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess
-from smarig.study.signal_columns import holds_still, is_noise
+from smarig.study.held_quantities import holds_still, is_noise
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess
 from smarig.study.typed_names import listed_names, typed_name
@@ -78,19 +78,29 @@ def answering(guess: TableGuess, command: StudyCommand) -> str:
 
 
 def assumed_unit(guess: TableGuess, command: StudyCommand) -> str:
-    """That the unit of temperatures is assumed, with the commands that state another, or the options if a command
-    would name many files; "" if the file states it.
+    """Which units of temperatures, of the input and of the output are assumed, with the commands that state others; ""
+    if the file states them all.
     """
-    assumed = [c for c in guess.columns if c.quantity in (q.TEMPERATURE, q.AMBIENT) and c.unit_is_assumed]
-    if not assumed or command.options.mapping is not None:
+    if command.options.mapping is not None:
         return ""
-    names = " and ".join(shown(typed_name(guess.table, c.name)) for c in assumed)
-    units = [unit for unit in q.USUAL_UNITS[q.TEMPERATURE] if unit != assumed[0].unit]
-    sentence = f"The file states no unit of {names}: {display_unit(assumed[0].unit)} is assumed."
-    if len(command.files) > _MOST_FILES:
-        options = [" ".join(_unit_option(guess, c.name, unit) for c in assumed) for unit in units]
+    hot = [c for c in guess.columns if c.quantity in (q.TEMPERATURE, q.AMBIENT)]
+    others = [[c] for role in _ROLES for c in guess.of_role(role) if c not in hot]
+    assumed = [[c for c in columns if c.unit_is_assumed] for columns in (hot, *others)]
+    return " ".join(_assumed(columns, guess, command) for columns in assumed if columns)
+
+
+def _assumed(columns: Sequence[ColumnGuess], guess: TableGuess, command: StudyCommand) -> str:
+    """That the unit of columns of one quantity is assumed, with the commands that state another, or the options where a
+    command would name many files.
+    """
+    first = columns[0]
+    names = " and ".join(shown(typed_name(guess.table, c.name)) for c in columns)
+    units = [unit for unit in q.USUAL_UNITS.get(first.quantity, ()) if unit != first.unit]
+    sentence = f"The file states no unit of {names}: {display_unit(first.unit)} is assumed."
+    if len(command.files) > _MOST_FILES and units:
+        options = [" ".join(_unit_option(guess, c.name, unit) for c in columns) for unit in units]
         return f"{sentence} If it is another, add {' or '.join(options)}."
-    answers = ({f"unit {c.name}": unit for c in assumed} for unit in units)
+    answers = ({f"unit {c.name}": unit for c in columns} for unit in units)
     return sentence + _listed(" If it is another, name it", guess, command, answers)
 
 

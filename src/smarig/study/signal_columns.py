@@ -1,4 +1,4 @@
-"""Chooses the columns of input and output by their quantities, and tells loads that were held from signals."""
+"""Chooses the columns of input and output by their quantities; a load that was held is neither."""
 
 from collections.abc import Sequence
 
@@ -7,6 +7,7 @@ import numpy as np
 from smarig.core import Array
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import STATED, UNSURE, ColumnGuess
+from smarig.study.held_quantities import held_levels, holds_still, is_noise, scatters
 from smarig.study.physical_roles import leads
 from smarig.study.strain_columns import axial_strain
 from smarig.study.thermometer_places import distance
@@ -50,9 +51,6 @@ _MECHANICAL = (  # what was measured at the specimen, before the current or volt
     q.PRESSURE,
 )
 _SENSOR_SIGNALS = (q.VOLTAGE, q.CURRENT)
-_STRESS_SHARE = 0.5  # of the mean: spread within which a stress was held
-_FORCE_SHARE = 0.1  # the same for a force
-_HELD_K = 5.0  # the same for a temperature
 
 
 def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str | None) -> ColumnGuess | None:
@@ -107,6 +105,7 @@ def input_column(
     able = [c for c in left if c is not out and not holds_still(c)]
     able = [c for c in able if out is None or not is_signal_of(c, out)]
     order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
+    able = [c for c in able if not _is_held_in_turn(c, [other for other in able if other.quantity in order])]
     swept = [c for c in able if not is_noise(c) and (not c.facts.constant or c.quantity == q.TEMPERATURE)]
     return _input_among(swept, order) or _input_among(able, order)
 
@@ -124,6 +123,11 @@ def _input_among(able: Sequence[ColumnGuess], order: Sequence[str]) -> ColumnGue
     return nameless[0] if nameless else None
 
 
+def _is_held_in_turn(c: ColumnGuess, others: Sequence[ColumnGuess]) -> bool:
+    """Whether a load was held at several levels, at each of which one of the others was swept there and back."""
+    return c.quantity in q.LOADS and any(held_levels(c, other) for other in others if other is not c)
+
+
 def _is_stated(c: ColumnGuess) -> bool:
     """Whether both the name and the unit say the quantity: a letter such as B alone may name anything."""
     return c.quantity_confidence >= STATED
@@ -132,33 +136,6 @@ def _is_stated(c: ColumnGuess) -> bool:
 def is_grid(c: ColumnGuess) -> bool:
     """Whether readings are those of a staircase: equal steps from row to row, with a new level in each."""
     return c.quantity == q.CURRENT and c.facts.even and c.facts.levels == c.facts.known.size
-
-
-def holds_still(c: ColumnGuess) -> bool:
-    """Whether a load, field or temperature was held, whatever noise it has. Other columns count if they move at all.
-
-    A field may be held at zero: its noise differs from row to row, and a path does not.
-    """
-    mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
-    if c.quantity == q.STRESS:
-        noise = is_noise(c) and mean > 3 * float(np.std(c.facts.known))
-        return spread <= _STRESS_SHARE * mean or noise
-    if c.quantity == q.FORCE:
-        return c.unit != "count" and spread <= _FORCE_SHARE * mean
-    if c.quantity == q.FIELD:
-        return c.facts.constant or is_noise(c)
-    if c.quantity == q.TEMPERATURE:
-        return c.facts.span < _HELD_K
-    return c.facts.levels <= 1
-
-
-def is_noise(c: ColumnGuess) -> bool:
-    """Whether the motion of a column is its scatter: each value differs from the next as from any other."""
-    return _scatters(c.facts.known)
-
-
-def _scatters(x: Array) -> bool:
-    return bool(x.size > 10 and np.std(np.diff(x)) > np.std(x))
 
 
 def is_signal_of(c: ColumnGuess, out: ColumnGuess) -> bool:
@@ -171,7 +148,7 @@ def is_signal_of(c: ColumnGuess, out: ColumnGuess) -> bool:
         return False  # of readings in random order, the rest scatters as well
     slope = float(np.cov(x, y)[0, 1] / np.var(x, ddof=1))
     rest = y - y.mean() - slope * (x - x.mean())
-    return _scatters(rest) or bool(np.ptp(rest) <= _resolution(y) + abs(slope) * _resolution(x))
+    return scatters(rest) or bool(np.ptp(rest) <= _resolution(y) + abs(slope) * _resolution(x))
 
 
 def _resolution(x: Array) -> float:

@@ -24,10 +24,11 @@ from smarig.study.column_guess import (
     guess_columns,
 )
 from smarig.study.heat_flow_columns import with_heat_flows
+from smarig.study.held_quantities import holds_still, is_noise
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
-from smarig.study.signal_columns import holds_still, input_column, is_grid, is_noise, output_column
+from smarig.study.signal_columns import input_column, is_grid, output_column
 from smarig.study.strain_columns import other_strains
 from smarig.study.thermometer_places import distance
 from smarig.study.typed_names import typed_name
