@@ -18,6 +18,7 @@ from smarig.exchange import text_table
 from smarig.exchange.igor_text import is_igor_text
 from smarig.exchange.no_reading import stands_for_none, without_marks
 from smarig.exchange.number_blocks import numbers_of
+from smarig.exchange.table_lines import MAX_LINE, check_lines
 from smarig.exchange.text_cells import TextCells, texts_of
 from smarig.exchange.text_table import HEADER_WITHIN, Table, TableLayout
 
@@ -130,7 +131,7 @@ def _parsed(
     if not block.isascii() or _has_other_breaks(block) or min(block, default=_FIRST_TEXT) < _FIRST_TEXT:
         raise _UnusualError
     lines = block.decode("ascii").splitlines()
-    text_table.check_lines(path, lines, text_table.MAX_LINE)
+    check_lines(path, lines, MAX_LINE)
     if text_table.footer_start(lines, 0, len(head.names), head.delimiter, layout) is not None:
         raise _UnusualError  # it is told
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
