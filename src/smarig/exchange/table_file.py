@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from smarig.core import Array, DataError
 from smarig.exchange import text_table
 from smarig.exchange.igor_text import is_igor_text
+from smarig.exchange.long_table import is_long
 from smarig.exchange.no_reading import stands_for_none, without_marks
 from smarig.exchange.number_blocks import numbers_of
 from smarig.exchange.table_lines import MAX_LINE, check_lines
@@ -90,7 +91,11 @@ def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
     if not complete and len(raw) <= HEADER_WITHIN:
         raise _UnusualError
     lines = [line.decode("utf-8").removesuffix("\r") for line in raw]
-    if is_igor_text(lines) or next(filter(None, map(str.strip, lines)), "").startswith(("{", "[")):
+    if (
+        is_igor_text(lines)
+        or is_long(lines)
+        or next(filter(None, map(str.strip, lines)), "").startswith(("{", "["))
+    ):
         raise _UnusualError
     if any(len(line.splitlines()) > 1 for line in lines) or min(b"".join(raw), default=0) < _FIRST_TEXT:
         raise _UnusualError

@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from smarig.core import DataError
 from smarig.exchange.channel_rows import channel_rows
 from smarig.exchange.json_document import json_document
 from smarig.exchange.logged_rows import LoggedRows, logged_rows
+from smarig.exchange.long_rows import long_rows
 from smarig.exchange.unit_cells import unit_cells
 
 MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
@@ -26,7 +28,7 @@ def table_lines(path: Path, text: str) -> LoggedRows:
     if any(map(_PLUS_APART.search, lines)):  # nobody writes a plus for a missing value
         lines = [_SIGN_APART.sub(r"\1", line) for line in lines]
     found = logged_rows(lines)
-    for rewritten in (channel_rows, lambda lines: unit_cells(path, lines)):
+    for rewritten in (channel_rows, partial(long_rows, path), partial(unit_cells, path)):
         later = rewritten(found.lines)
         found = LoggedRows(later.lines, (*found.notes, *later.notes), found.added + later.added)
     return found

@@ -67,7 +67,7 @@ def unit_cells(path: Path, lines: Sequence[str]) -> LoggedRows:
         return LoggedRows(list(lines))
     decimal = _decimal(rows[first:], columns)
     out = [*lines[:first], *(_without_units(row, columns, decimal, sign) for row in rows[first:])]
-    header = _joined(_with_units(names, columns), sign)
+    header = joined_cells(_with_units(names, columns), sign)
     if heading is not None:
         out[heading] = header
     return LoggedRows(
@@ -83,6 +83,15 @@ def _sign(sample: Sequence[str]) -> str:
     }
     divided = {sign: n for sign, n in found.items() if n >= _FEWEST and any(sign in line for line in able)}
     return max(divided, key=lambda sign: divided[sign], default="")
+
+
+def is_quantity(cell: str) -> bool:
+    """Whether a cell is a number with a unit behind it.
+
+    >>> is_quantity("850 µm"), is_quantity("41%"), is_quantity("850"), is_quantity("7x")
+    (True, True, False, False)
+    """
+    return _quantity(cell) is not None
 
 
 def _quantity(cell: str) -> _Quantity | None:
@@ -168,7 +177,7 @@ def _without_units(row: Sequence[str], columns: Sequence[_UnitColumn], decimal: 
         if quantity is not None:
             same = (quantity.unit or quantity.written) == column.unit
             cells[column.place] = quantity.number if same else _converted(quantity, column.unit, decimal)
-    return _joined(cells, sign)
+    return joined_cells(cells, sign)
 
 
 def _converted(quantity: _Quantity, unit: str, decimal: str) -> str:
@@ -188,7 +197,8 @@ def _with_units(names: Sequence[str], columns: Sequence[_UnitColumn]) -> list[st
     return out
 
 
-def _joined(cells: Sequence[str], sign: str) -> str:
+def joined_cells(cells: Sequence[str], sign: str) -> str:
+    """A line of cells, with quotation marks where a cell holds the sign between them."""
     out = io.StringIO()
     csv.writer(out, delimiter=sign, lineterminator="").writerow(cells)
     return out.getvalue()
@@ -198,8 +208,6 @@ def _notes(names: Sequence[str], columns: Sequence[_UnitColumn]) -> tuple[str, .
     notes = ["The cells carry their units; they are the units of the columns."]
     for column in columns:
         if column.converted:
-            which = " and ".join(f"{number} in {unit}" for unit, number in column.converted)
-            notes.append(
-                f"Column {shown(names[column.place])} is in {column.unit}: the cells {which} are converted."
-            )
+            which = " and ".join(f"{number} cells in {unit}" for unit, number in column.converted)
+            notes.append(f"Column {shown(names[column.place])} is in {column.unit}: {which} are converted.")
     return tuple(notes)
