@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, DataError
 from smarig.exchange import text_table
+from smarig.exchange.clock_pairs import has_clock_pairs
 from smarig.exchange.igor_text import is_igor_text
 from smarig.exchange.long_table import is_long
 from smarig.exchange.no_reading import stands_for_none, without_marks
@@ -94,6 +95,7 @@ def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
     if (
         is_igor_text(lines)
         or is_long(lines)
+        or has_clock_pairs(lines)
         or next(filter(None, map(str.strip, lines)), "").startswith(("{", "["))
     ):
         raise _UnusualError

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from smarig.core import DataError
 from smarig.exchange.channel_rows import channel_rows
+from smarig.exchange.clock_pairs import clock_pairs
 from smarig.exchange.json_document import json_document
 from smarig.exchange.logged_rows import LoggedRows, logged_rows
 from smarig.exchange.long_rows import long_rows
@@ -28,7 +29,12 @@ def table_lines(path: Path, text: str) -> LoggedRows:
     if any(map(_PLUS_APART.search, lines)):  # nobody writes a plus for a missing value
         lines = [_SIGN_APART.sub(r"\1", line) for line in lines]
     found = logged_rows(lines)
-    for rewritten in (channel_rows, partial(long_rows, path), partial(unit_cells, path)):
+    for rewritten in (
+        partial(clock_pairs, path),
+        channel_rows,
+        partial(long_rows, path),
+        partial(unit_cells, path),
+    ):
         later = rewritten(found.lines)
         found = LoggedRows(later.lines, (*found.notes, *later.notes), found.added + later.added)
     return found
