@@ -131,3 +131,9 @@ def test_a_clock_that_goes_back_is_refused_where_its_name_is_that_of_a_time(writ
             find_tables(write(text))
     else:
         assert len(find_tables(write(text))[0].columns) == 4
+
+
+def test_a_channel_of_one_reading(write):
+    table = find_tables(write(scope((50, END_MS + 1))))[0]
+    assert table.names == ("time", "fTemp [°C]", "fPos [mm]")
+    assert [int(np.isfinite(c.values).sum()) for c in table.columns[1:]] == [END_MS // 50 + 1, 1]

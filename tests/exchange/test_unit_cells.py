@@ -92,3 +92,30 @@ def test_remarks_beside_plain_numbers_are_left_alone(write, remark):
     rows = [f"{k},{T[k]},{S_MM[k]},{remark if k == 7 else ''}" for k in range(N)]
     (table,) = find_tables(write("\n".join(["t [s],T [°C],s [mm],Remark", *rows]) + "\n"))
     assert table.names == ("t [s]", "T [°C]", "s [mm]", "Remark")
+
+
+@pytest.mark.parametrize(
+    ("cells", "sign", "expected"),
+    [
+        (("1,234.5 µm", "2 mm", "3,100 µm"), ";", (1234.5, 2000, 3100)),
+        (("1.234,5 µm", "2 mm", "3.100 µm"), ";", (1234.5, 2000, 3100)),
+        (("12,5 µm", "2,5 mm", "3e2 µm"), ";", (12.5, 2500, 300)),
+        (("12.5 µm", "1,002.5 mm", "13 µm"), ";", (12.5, 1002500, 13)),
+        (("12,5 µm", "1.002,5 mm", "13 µm"), ";", (12.5, 1002500, 13)),
+        (('"1,234.5 µm"', "+2.5 mm", "-.5 µm"), ",", (1234.5, 2500, -0.5)),
+    ],
+)
+def test_thousands_and_decimal_signs_of_converted_cells(write, cells, sign, expected):
+    rows = [f"{k}{sign}{cell}" for k, cell in enumerate(cells)]
+    (table,) = find_tables(write("\n".join([f"n{sign}s", *rows]) + "\n"))
+    assert table.names == ("n", "s [µm]")
+    np.testing.assert_allclose(table.columns[1].values, expected)
+
+
+@pytest.mark.parametrize("cell", ["1.2.3 mm", "1,2,3 mm", "1e999 mm", "12 mm mm", "-- mm"])
+def test_a_cell_that_is_no_quantity_is_no_reading(write, cell):
+    text = dashboard().splitlines()
+    text[6] = f'2023-05-12 20:00:05,30 °C,"{cell}",40%'
+    values = find_tables(write("\n".join(text) + "\n"))[0].columns[2].values
+    assert np.isnan(values[5])
+    assert np.isfinite(values[1:5]).all()

@@ -172,6 +172,8 @@ def _unit_of_clock(heading: _Heading, clocks: Sequence[Array]) -> str:
     periods, unit = heading.stated
     if len(periods) != len(clocks) or dimension(unit) != "time" or not all(map(_is_number, periods)):
         return ""
+    if min(clock.size for clock in clocks) < 2:
+        return ""
     steps = [float(np.median(np.diff(clock))) for clock in clocks]
     for written in ("s", "ms", "us", "ns", unit):
         if np.allclose(

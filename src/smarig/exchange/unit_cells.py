@@ -8,6 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,10 @@ from smarig.exchange.written_units import known_unit
 _FEWEST = 3  # rows of a table
 _SAMPLE = 250  # lines by which a text is taken for one with units in its cells
 _SIGNS = ("\t", ";", ",")
-_CELL = re.compile(r"([+-]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:[eE][+-]?\d+)?)(\s*)([^\W\d_]\S*|[%‰°]\S*)")
+_NUMBER = (
+    r"[+-]?(?:\d{1,3}(?:,\d{3})+(?:\.\d*)?|\d{1,3}(?:\.\d{3})+,\d*|\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?"
+)
+_CELL = re.compile(rf"({_NUMBER})(\s*)([^\W\d_]\S*|[%‰°]\S*)")
 _OWN_UNIT = re.compile(r"\s*[\[(]([^\[\]()]*)[\])]\s*$")
 
 
@@ -99,8 +103,13 @@ def _quantity(cell: str) -> _Quantity | None:
     match = _CELL.fullmatch(cell)
     if match is None:
         return None
-    unit = known_unit(match[3])
+    unit = _known(match[3])
     return _Quantity(match[1], match[3], unit) if unit or match[2] else None
+
+
+@lru_cache(maxsize=1024)  # a file has few units and many cells
+def _known(written: str) -> str:
+    return known_unit(written)
 
 
 def _carries_units(cells: Sequence[str]) -> bool:
@@ -137,10 +146,11 @@ def _column(path: Path, rows: Sequence[Sequence[str]], first: int, j: int, name:
     }
     times = Counter((q.unit or q.written) for q in found.values() if q)
     unit = _usual_unit(times)
+    able = {u for u in times if dimension(u) == dimension(unit)}
     for k, quantity in found.items():
         cell = rows[k][j]
-        plain = is_number(cell, ".") or is_number(cell, ",")
-        other = quantity is not None and dimension(quantity.unit or quantity.written) != dimension(unit)
+        plain = quantity is None and (is_number(cell, ".") or is_number(cell, ","))
+        other = quantity is not None and (quantity.unit or quantity.written) not in able
         if plain or other:
             why = "has no unit" if plain else f"cannot be converted to {unit}"
             raise DataError(
@@ -163,11 +173,12 @@ def _usual_unit(times: Counter[str]) -> str:
 
 
 def _decimal(rows: Sequence[Sequence[str]], columns: Sequence[_UnitColumn]) -> str:
-    """The decimal sign of the quantities: a comma if no number has a point."""
-    numbers = [
-        q.number for row in rows for c in columns if c.place < len(row) and (q := _quantity(row[c.place]))
-    ]
-    return "," if any("," in n for n in numbers) and not any("." in n for n in numbers) else "."
+    """The decimal sign of the quantities: the last sign in numbers that have two, else a comma if none has a point."""
+    cells = (row[c.place] for row in rows for c in columns if c.place < len(row))
+    numbers = [q.number for cell in cells if (q := _quantity(cell))]
+    last = {max(".,", key=number.rfind) for number in numbers if "." in number and "," in number}
+    plain = any("," in number for number in numbers) and not any("." in number for number in numbers)
+    return "," if plain or last == {","} else "."
 
 
 def _without_units(row: Sequence[str], columns: Sequence[_UnitColumn], decimal: str, sign: str) -> str:
@@ -181,7 +192,8 @@ def _without_units(row: Sequence[str], columns: Sequence[_UnitColumn], decimal: 
 
 
 def _converted(quantity: _Quantity, unit: str, decimal: str) -> str:
-    plain = quantity.number.replace(",", "." if decimal == "," else "")
+    thousands = "." if decimal == "," else ","
+    plain = quantity.number.replace(thousands, "").replace(",", ".")
     value = convert(float(plain), quantity.unit, unit)
     text = np.format_float_positional(float(f"{value:.12g}"), trim="0")  # factors are exact, products are not
     return text.replace(".", decimal)
