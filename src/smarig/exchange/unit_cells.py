@@ -49,6 +49,11 @@ class _UnitColumn:
     converted: tuple[tuple[str, int], ...]
 
 
+def has_unit_cells(lines: Sequence[str]) -> bool:
+    """Whether some cells near the beginning carry units."""
+    return bool(_sign(lines[:_SAMPLE]))
+
+
 def unit_cells(path: Path, lines: Sequence[str]) -> LoggedRows:
     """The lines of a text without the units in their cells, which stand behind the names; other texts as they are.
 
