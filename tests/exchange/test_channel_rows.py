@@ -72,19 +72,28 @@ def test_each_scan_keeps_the_line_of_its_first_reading():
         assert wide[5 + 3 * k] == ""
 
 
+def test_channels_one_after_the_other_are_joined_on_time(write):
+    _, run, findings = imported(write(scanned(by=1)))
+    np.testing.assert_allclose(run["temperature_degC"], U)
+    np.testing.assert_allclose(run["position"], R)
+    assert any("nothing is interpolated" in text for text in findings)
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        (scanned(by=1), "'Unit' has the units 'C', 'Ohm4W'"),
+        (
+            scanned(by=1, names="Index,Channel,Reading,Unit,Lap"),
+            "is in long format: 'Reading' holds the readings",
+        ),
         (scanned(names="Index,Channel,x,Unit,Relative Time"), "'Channel' has the channels '101', '102'"),
     ],
 )
 def test_what_cannot_be_told_apart_by_turns_is_refused(write, tmp_path, capsys, text, what):
     assert cli(["study", str(write(text)), "-o", str(tmp_path / "out")]) == 4
     printed = capsys.readouterr().err
-    assert "holds several channels in one column" in printed
     assert what in printed
-    assert "Write one column for each channel" in printed
+    assert "Write one column for each" in printed
 
 
 @pytest.mark.parametrize("column", [np.round(U), np.arange(SCANS) // 50, np.ones(SCANS)])

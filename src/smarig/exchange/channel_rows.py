@@ -43,7 +43,7 @@ def channel_rows(lines: Sequence[str]) -> LoggedRows:
     rows = _rows(lines, place)
     units = {(row[place.channel], row[place.unit]) for row in rows}
     channels = list(dict.fromkeys(row[place.channel] for row in rows))
-    if len(channels) < 2 or len(units) > len(channels) or not _by_turns([r[place.channel] for r in rows]):
+    if len(channels) < 2 or len(units) > len(channels) or not by_turns([r[place.channel] for r in rows]):
         return LoggedRows(list(lines))
     first = place.line + 1
     written = {first + k: _wide(scan, channels, place) for k, scan in _scans(rows, place)}
@@ -67,7 +67,7 @@ def check_one_channel(path: Path, names: Sequence[str], rows: Iterable[Sequence[
         cells = [row[j] for row in columns if j < len(row) and row[j] != names[k]]
         found = list(dict.fromkeys(cells))
         what = "units" if _UNIT.fullmatch(names[k]) else "channels"
-        mixed = len({known_unit(cell) for cell in found} - {""}) > 1 if what == "units" else _by_turns(cells)
+        mixed = len({known_unit(cell) for cell in found} - {""}) > 1 if what == "units" else by_turns(cells)
         if mixed:
             listed = ", ".join(shown(cell, 20) for cell in found[:4]) + (", …" if len(found) > 4 else "")
             raise DataError(
@@ -100,7 +100,7 @@ def _rows(lines: Sequence[str], place: _Place) -> list[list[str]]:
     return rows
 
 
-def _by_turns(channels: Sequence[str]) -> bool:
+def by_turns(channels: Sequence[str]) -> bool:
     """Whether channels come in one order: most rows have another channel than the next, and that of a scan later."""
     number, half = len(set(channels)), len(channels) / 2
     changes = sum(a != b for a, b in zip(channels, channels[1:]))

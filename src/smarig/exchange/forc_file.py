@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, number_from_text, shown, spaced
-from smarig.exchange.text_table import check_lines, read_text
+from smarig.exchange.table_lines import check_lines
+from smarig.exchange.text_table import read_text
 from smarig.exchange.unit_systems import UNIT_SYSTEMS
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_size

@@ -15,9 +15,12 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, DataError
 from smarig.exchange import text_table
+from smarig.exchange.clock_pairs import has_clock_pairs
 from smarig.exchange.igor_text import is_igor_text
+from smarig.exchange.long_table import is_long
 from smarig.exchange.no_reading import stands_for_none, without_marks
 from smarig.exchange.number_blocks import numbers_of
+from smarig.exchange.table_lines import MAX_LINE, check_lines
 from smarig.exchange.text_cells import TextCells, texts_of
 from smarig.exchange.text_table import HEADER_WITHIN, Table, TableLayout
 
@@ -89,7 +92,12 @@ def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
     if not complete and len(raw) <= HEADER_WITHIN:
         raise _UnusualError
     lines = [line.decode("utf-8").removesuffix("\r") for line in raw]
-    if is_igor_text(lines) or next(filter(None, map(str.strip, lines)), "").startswith(("{", "[")):
+    if (
+        is_igor_text(lines)
+        or is_long(lines)
+        or has_clock_pairs(lines)
+        or next(filter(None, map(str.strip, lines)), "").startswith(("{", "["))
+    ):
         raise _UnusualError
     if any(len(line.splitlines()) > 1 for line in lines) or min(b"".join(raw), default=0) < _FIRST_TEXT:
         raise _UnusualError
@@ -130,7 +138,7 @@ def _parsed(
     if not block.isascii() or _has_other_breaks(block) or min(block, default=_FIRST_TEXT) < _FIRST_TEXT:
         raise _UnusualError
     lines = block.decode("ascii").splitlines()
-    text_table.check_lines(path, lines, text_table.MAX_LINE)
+    check_lines(path, lines, MAX_LINE)
     if text_table.footer_start(lines, 0, len(head.names), head.delimiter, layout) is not None:
         raise _UnusualError  # it is told
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)

@@ -24,6 +24,7 @@ from smarig.exchange.header_words import has_bracketed_units, words_below
 from smarig.exchange.interruptions import names_columns
 from smarig.exchange.number_style import NumberStyle
 from smarig.exchange.rare_texts import rare_texts
+from smarig.exchange.stacked_headings import stacked_heading
 from smarig.exchange.table_rows import rows_end
 from smarig.exchange.written_units import is_units_row, without_markup
 
@@ -175,11 +176,16 @@ def _block(
         return None
     above = header_cells(rows, kinds, first, width, style, lines)
     rows = [above.get(k, row) for k, row in enumerate(rows)]
+    stacked = stacked_heading(rows, kinds, first)
+    if stacked is not None and stacked.combined:
+        rows = [stacked.names if k == stacked.row else row for k, row in enumerate(rows)]
     cells = [[row[k] for row in data if k < len(row)] for k in range(width)]
     texts = [rare_texts(column, style) for column in cells]
     columns = tuple(NUMBER if t else _column_kind(column, style) for t, column in zip(texts, cells))
     no_reading = tuple(dict.fromkeys(text for found in texts for text in found))
     header, unit_row = header_rows(rows, kinds, first, columns, style)
+    if stacked is not None and header == first - 1:  # the units are no names
+        header, unit_row = stacked.row, first - 1
     end, listed = listed_names(rows, first, lines, width, style)
     stated = listed and has_bracketed_units(listed)
     plain = header is not None and (not stated or names_each(rows[header], width, style))

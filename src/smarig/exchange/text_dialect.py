@@ -14,6 +14,7 @@ from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.json_document import no_table_in
 from smarig.exchange.lost_rows import without_lost_rows
 from smarig.exchange.table_file import read_table
+from smarig.exchange.table_lines import table_lines
 from smarig.exchange.table_rows import split
 from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import (
@@ -23,7 +24,6 @@ from smarig.exchange.text_table import (
     long_cells_refused,
     preamble_keys,
     read_text,
-    table_lines,
 )
 from smarig.exchange.unit_systems import units_of_system
 from smarig.exchange.written_units import known_unit

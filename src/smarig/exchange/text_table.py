@@ -4,7 +4,6 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 """
 
 import csv
-import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,21 +15,16 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.cell_values import is_number, number_column
-from smarig.exchange.channel_rows import channel_rows
 from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.eight_bit_text import eight_bit_text
 from smarig.exchange.interruptions import interruption_notes
-from smarig.exchange.json_document import json_document
-from smarig.exchange.logged_rows import LoggedRows, logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
+from smarig.exchange.table_lines import table_lines
 from smarig.exchange.table_rows import cells, footer_start, split, without_interruptions
 from smarig.exchange.text_cells import TextCells, text_notes, texts_of
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
-MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
-_PLUS_APART = re.compile(r"(?<!\S)\+ +(?=[\d.])")
-_SIGN_APART = re.compile(r"(?<!\S)([+-]) +(?=[\d.])")
 HEADER_WITHIN = 200  # lines searched for the header
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
 
@@ -117,28 +111,6 @@ def long_cells_refused(path: Path) -> Iterator[None]:
         raise DataError(
             f"{path}: a cell in quotes has more than {csv.field_size_limit()} characters. Check its quotation marks."
         ) from None
-
-
-def table_lines(path: Path, text: str) -> LoggedRows:
-    """The lines of a text as those of tables, whatever stands for rows; DataError for a line that is too long."""
-    if document := json_document(text):
-        return LoggedRows(*document)
-    lines = text.splitlines()
-    check_lines(path, lines, MAX_LINE)
-    if any(map(_PLUS_APART.search, lines)):  # nobody writes a plus for a missing value
-        lines = [_SIGN_APART.sub(r"\1", line) for line in lines]
-    log = logged_rows(lines)
-    by_scan = channel_rows(log.lines)
-    return LoggedRows(by_scan.lines, (*log.notes, *by_scan.notes), log.added)
-
-
-def check_lines(path: Path, lines: Sequence[str], longest: int) -> None:
-    """Raise DataError for a line that is too long for a table of numbers."""
-    for k, line in enumerate(lines):
-        if len(line) > longest:
-            raise DataError(
-                f"{path}, line {k + 1} has {len(line)} characters; a line of a table has at most {longest}."
-            )
 
 
 def _table(

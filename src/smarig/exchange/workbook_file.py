@@ -22,6 +22,7 @@ from smarig.exchange.lost_rows import without_lost_rows
 from smarig.exchange.mapping import MappingFile, require_columns
 from smarig.exchange.mapping_layouts import WorkbookLayout
 from smarig.exchange.needed_package import needed_package
+from smarig.exchange.table_lines import sheet_rows
 from smarig.exchange.table_rows import rows_end
 from smarig.exchange.table_structure import FoundBlock, NumberStyle, find_blocks, rows_above
 from smarig.exchange.text_table import Table, missing_notes, preamble_keys
@@ -37,17 +38,26 @@ _Rows = list[list[str]]
 
 def workbook_tables(path: Path) -> list[FoundTable]:
     """The tables of all sheets, the first of each; DataError if there is none."""
-    found = []
+    found: list[FoundTable] = []
+    refused: dict[str, DataError] = {}
     sheets = list(_sheets(path))
-    for title, rows in sheets:
+    for title, written in sheets:
+        try:
+            rows, _ = sheet_rows(path, written)
+        except DataError as error:
+            refused[title] = error
+            continue
         blocks = find_blocks(rows, _STYLE)
         if blocks:
             found.append(_found(path, title, rows, max(blocks, key=lambda b: b.stop - b.first), len(sheets)))
+    if not found and refused:
+        raise next(iter(refused.values()))
     if not found:
         raise DataError(
             f"{path} holds no table: no sheet has rows of numbers. Give a workbook of measured columns."
         )
-    return found
+    left_out = {title: str(error) for title, error in refused.items()}
+    return [replace(found[0], left_out=left_out), *found[1:]]
 
 
 def read_workbook(path: Path, mapping: MappingFile, layout: WorkbookLayout) -> Table:
@@ -55,7 +65,7 @@ def read_workbook(path: Path, mapping: MappingFile, layout: WorkbookLayout) -> T
     sheets = dict(_sheets(path, layout.sheet))
     if layout.sheet not in sheets:
         raise UsageError(f"{path} has no sheet {shown(layout.sheet)}. Its sheets are: {', '.join(sheets)}.")
-    rows = sheets[layout.sheet]
+    rows, done = sheet_rows(path, sheets[layout.sheet])
     header = rows[layout.header_row - 1] if 0 < layout.header_row <= len(rows) else []
     names = layout.names or tuple(cell or f"column {k + 1}" for k, cell in enumerate(header))
     require_columns(mapping, list(names), path)
@@ -63,7 +73,7 @@ def read_workbook(path: Path, mapping: MappingFile, layout: WorkbookLayout) -> T
     first = layout.header_row + layout.units_rows
     stop = rows_end(rows, first, _STYLE)
     table = _table(path, rows, first, stop, names, clock, tuple(mapping.ignore), layout.no_reading)
-    return replace(table, notes=(*table.notes, *_footer_notes(rows, stop)))
+    return replace(table, notes=(*done, *table.notes, *_footer_notes(rows, stop)))
 
 
 def _footer_notes(rows: _Rows, stop: int) -> list[str]:
