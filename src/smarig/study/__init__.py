@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from smarig.study.each_file import FileOutcome as FileOutcome
     from smarig.study.each_file import studies_json as studies_json
     from smarig.study.each_file import study_each as study_each
+    from smarig.study.field_loops import field_sentences as field_sentences
     from smarig.study.mapping_draft import mapping_draft as mapping_draft
     from smarig.study.next_step import next_step as next_step
     from smarig.study.study import study as study

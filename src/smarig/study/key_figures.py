@@ -32,7 +32,12 @@ def key_figures(result: StudyResult, run: Run) -> Iterator[Html]:
     if several:
         yield temperatures_by_run(runs[:_MOST_RUNS], TEMPERATURES, f"Temperatures.{_corrected(result)}")
     found = None if several or result.transformation is None else result.transformation.of(run)
-    rows = [*(_temperatures(found) if found else ()), *_slopes(result), *_model(result)]
+    rows = [
+        *(_temperatures(found) if found else ()),
+        *_slopes(result),
+        *_field_loops(result),
+        *_model(result),
+    ]
     what = f"{found.name}, and the model.{_corrected(result)}" if found else "The model."
     if any(interval for *_, interval in rows):
         yield html_table(("Quantity", "Value", "95 % interval"), rows, what)
@@ -48,6 +53,25 @@ def temperatures_by_run(
     by_load = all(loads) and len({*loads}) == len(loads)
     labels = [load.replace(" ", "\u00a0") for load in loads] if by_load else [r.name for r in runs]
     return runs_table(dict(zip(labels, runs)), names, "Load" if by_load else "Run", caption, stacked=stacked)
+
+
+def _field_loops(result: StudyResult) -> Iterator[Row]:
+    """Coercive field, bias and remanence; of several loops with their range in place of an interval."""
+    loops = result.field_loops
+    if loops is None:
+        return
+    rows = (
+        ("Coercive field", loops.coercive, loops.field_unit),
+        ("Bias of the field", loops.bias, loops.field_unit),
+    )
+    rows += (
+        ("Remanence", loops.remanence, loops.unit),
+        ("Half the range of the output", loops.saturation, loops.unit),
+    )
+    for name, (mean, low, high), unit in rows:
+        ends = number(low), number(high)
+        several = f"{' to '.join(ends)} in {loops.loops} loops" if ends[0] != ends[1] else ""
+        yield name, _value(mean, unit), several
 
 
 def _corrected(result: StudyResult) -> str:

@@ -41,6 +41,7 @@ from smarig.study.error_reasons import (
     one_way,
     wrong_direction,
 )
+from smarig.study.field_loops import FieldLoops, field_loops
 from smarig.study.function_of_input import FunctionOfInput
 from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
@@ -307,6 +308,11 @@ class StudyResult:
         if slope is None:
             return ""
         return f" {proportional_sentence(slope, self.unit, self.tables[0].run.input_unit)}"
+
+    @cached_property
+    def field_loops(self) -> FieldLoops | None:
+        """The coercive field and remanence of loops over a field; None for other data."""
+        return field_loops([table.run for table in self.tables])
 
     def masked(self) -> list[str]:
         """Which readings were masked: what to know before any other sentence."""

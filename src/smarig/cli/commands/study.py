@@ -108,7 +108,7 @@ def command(
 
 
 def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
-    from smarig.study import POOR, next_step, study
+    from smarig.study import POOR, field_sentences, next_step, study
 
     result = study(files, out, options, ask=_asker(), progress=show_message)
     show_message(_columns_text(result))
@@ -122,6 +122,7 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
         *result.masked(),
         *filter(None, result.sentences()),
         *step,
+        *field_sentences(result.field_loops),
         *temperatures,
         *result.reasons,
         *result.hints(),
