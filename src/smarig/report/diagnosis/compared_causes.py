@@ -68,7 +68,7 @@ def _figure(causes: list[tuple[str, str, float]], label: str) -> Figure:
         "the plain model, or a cause outside the catalogue. Causes of one hypothesis count for both, so the sum "
         "may exceed 1.",
     ]
-    panel = Panel([bars], layout, 110 + 34 * len(names), wide=True)
+    panel = Panel([bars], layout, 130 + 34 * len(names), wide=True)
     return Figure([panel], "What the model may lack.", caption, label)
 
 
