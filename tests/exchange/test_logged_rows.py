@@ -102,6 +102,28 @@ def test_keys_are_the_names_of_the_columns(tmp_path, form, with_stamp):
     assert any("the keys are the names" in w for w in run.info.warnings)
 
 
+@pytest.mark.parametrize("with_stamp", [False, True])
+@pytest.mark.parametrize(
+    "start",
+    [["Ready", ""], ["=~= PuTTY log 2024.05.02 =~=", "rst:0x1 (POWERON)", "", "# pot: 10 bit", "probes: 2"]]
+    + [["calibrating ..."] * 270],
+)
+def test_what_is_logged_at_the_start_leaves_the_names(tmp_path, start, with_stamp):
+    rows = [f"ms:{500 * n}\tT:{u}\tpot:{round(500 + 90 * y)}" for n, (u, y) in enumerate(zip(U, Y))]
+    lines = stamped([*start, *rows], 3600.0) if with_stamp else [*start, *rows]
+    (tmp_path / "a.log").write_text("\n".join(lines) + "\n")
+    (table,) = find_tables(tmp_path / "a.log")
+    assert table.names == (*(("stamp",) if with_stamp else ()), "ms", "T", "pot")
+    assert len(table) == ROWS
+    _, run = read(tmp_path / "a.log", tmp_path)
+    np.testing.assert_array_equal(run["input"], U)
+    lines[len(start) + 7] = lines[len(start) + 7].split("T:")[0] + "T:far\tpot:1"
+    (tmp_path / "a.log").write_text("\n".join(lines) + "\n")
+    mapping = str(tmp_path / "m.toml")
+    with pytest.raises(DataError, match=rf"line {len(start) + 8}, column 'T': 'far' is not a number"):
+        import_file(tmp_path / "a.log", format="csv", out=tmp_path / "b.run.sqlite", mapping=mapping)
+
+
 def test_units_behind_the_values_and_a_key_that_is_missing_once(tmp_path):
     rows = [f"T={u}C pos={y}mm" if n != 7 else f"T={u}C other=1" for n, (u, y) in enumerate(zip(U, Y))]
     (tmp_path / "a.log").write_text("\n".join(rows) + "\n")

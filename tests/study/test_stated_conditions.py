@@ -98,3 +98,58 @@ def test_a_force_that_is_measured_is_no_condition(tmp_path):
     rows = [f"{t},{u:.2f},{3 + x:.4f}" for t, (u, x) in enumerate(zip(U, displacements(U)))]
     path.write_text("\n".join(["Force: 3 N", "", "Time [s],Temperature [°C],Force [N]", *rows]) + "\n")
     assert conditions(path, tmp_path) == [{}]
+
+
+GRAVITY = 9.80665
+
+
+@pytest.mark.parametrize(
+    ("sheets", "kilograms"),
+    [
+        ({"200 g": "", "1,25kg": ""}, [0.2, 1.25]),
+        ({"A": "Messreihe mit 350 g", "B": "wire 7, hanging mass 0.7 kg"}, [0.35, 0.7]),
+        ({"Run_80g": "", "Probe 2, 90 g": "Draht 3"}, [0.08, 0.09]),
+    ],
+)
+def test_a_weight_in_the_name_or_title_of_a_sheet_is_its_load(tmp_path, sheets, kilograms):
+    found = conditions(workbook(tmp_path, sheets), tmp_path)
+    assert [unit for each in found for _, unit in each.values()] == ["N", "N"]
+    assert [each["load"][0] for each in found] == pytest.approx([m * GRAVITY for m in kilograms])
+
+
+def test_a_load_of_the_same_place_comes_before_a_weight(tmp_path):
+    found = conditions(workbook(tmp_path, {"A": "300 g | Gewicht 3 N", "300 g": "Load = 4 N"}), tmp_path)
+    assert found == [{"load": (3.0, "N")}, {"load": (4.0, "N")}]
+
+
+@pytest.mark.parametrize(
+    "title",
+    ["sample mass 2 g", "Einwaage 5 g", "load cell 10 kg", "200 g und 500 g", "2 x 500 g", "1.2 g/m", "7 GB"],
+)
+def test_other_masses_are_no_load(tmp_path, title):
+    assert conditions(workbook(tmp_path, {"A": title}), tmp_path) == [{}]
+
+
+@pytest.mark.parametrize(
+    ("output", "expected"), [("Stroke [mm]", {"load": (0.15 * GRAVITY, "N")}), ("Force [N]", {})]
+)
+def test_a_weight_in_the_name_of_a_file(tmp_path, output, expected):
+    path = tmp_path / "wire4_150g.csv"
+    rows = [f"{t},{u:.2f},{3 + x:.4f}" for t, (u, x) in enumerate(zip(U, displacements(U)))]
+    path.write_text("\n".join([f"Time [s],Temperature [°C],{output}", *rows]) + "\n")
+    assert conditions(path, tmp_path) == [
+        {name: (pytest.approx(value), unit) for name, (value, unit) in expected.items()}
+    ]
+
+
+def test_the_mass_of_a_calorimeter_is_that_of_the_sample(tmp_path):
+    path = tmp_path / "NiTi_0.02g.csv"
+    rows = [f"{t},{u:.2f},{x:.4f}" for t, (u, x) in enumerate(zip(U, displacements(U)))]
+    path.write_text("\n".join(["Time [s],Temperature [°C],Heat flow [mW]", *rows]) + "\n")
+    assert conditions(path, tmp_path) == [{}]
+
+
+def test_the_mapping_says_which_weight_is_the_load(tmp_path):
+    study([workbook(tmp_path, {"500 g": ""})], tmp_path / "out", QUICK)
+    text = (tmp_path / "out" / "mapping.toml").read_text(encoding="utf-8")
+    assert "# 4.9 N, the weight of 500 g in the name of the sheet '500 g'" in text

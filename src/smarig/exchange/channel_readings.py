@@ -7,6 +7,7 @@ from smarig.core import Array
 from smarig.exchange.dropped_readings import without_dropped
 from smarig.exchange.mapping import Column, Condition
 from smarig.exchange.text_table import Table
+from smarig.exchange.thermometer_codes import without_thermometer_codes
 from smarig.exchange.unit_conversion import convert, dimension
 from smarig.exchange.value_bounds import possible, without_codes
 from smarig.exchange.wrapped_counts import continued_counts, wrap_findings
@@ -30,7 +31,8 @@ def channel_readings(
     values, masked = possible(path, channel, column.column, values, table.line, unit if strain else "")
     values, codes = without_codes(column.column, values, written, table.line)
     values, dropped = without_dropped(column.column, column.unit, values, written, table.line)
-    return values, [*wrapped, *masked, *codes, *dropped]
+    values, absent = without_thermometer_codes(column.column, unit, values, table.line)
+    return values, [*wrapped, *masked, *codes, *dropped, *absent]
 
 
 def scaled(table: Table, column: Column | Condition) -> Array:

@@ -27,12 +27,12 @@ def without_dropped(
     return np.where(lost, np.nan, x), [ImportFinding(text, "drop-outs")]
 
 
-def drops(x: Array) -> NDArray[np.bool_]:
-    """Mask of the readings (n,) of exactly 0, far from their neighbours; others may be NaN.
+def drops(x: Array, code: float = 0.0) -> NDArray[np.bool_]:
+    """Mask of the readings (n,) of exactly ``code``, far from their neighbours; others may be NaN.
 
     >>> drops(np.array([290.0, 291.0, np.nan, 0.0, 293.0, 294.0])).tolist()
     [False, False, False, True, False, False]
     """
     mask, known = np.zeros(x.size, dtype=bool), np.isfinite(x)
-    mask[known] = dropouts(x[known])
+    mask[known] = dropouts(x[known], code)
     return mask

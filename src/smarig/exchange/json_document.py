@@ -13,6 +13,7 @@ from typing import Any
 from smarig.core import shown
 from smarig.exchange.cell_values import is_number
 from smarig.exchange.json_lines import cell_text, flat_cells, rows_of_objects
+from smarig.exchange.metric_series import metric_series
 
 MOST_CHARACTERS = 100_000_000  # its numbers need ten times as many bytes while they are read
 _FEWEST_ROWS = 3
@@ -94,7 +95,10 @@ def _has_arrays(value: Any) -> bool:
 
 
 def _of_array(value: list[Any], keys: dict[str, str]) -> _JsonTable | None:
-    """The table of an array of objects, or of arrays of one length: rows, or columns if these are longer."""
+    """The table of an array of series, of objects, or of arrays of one length: rows, or columns if these are longer."""
+    if (series := metric_series(value)) and len(series.rows) >= _FEWEST_ROWS:
+        around = keys | series.labels
+        return _JsonTable(series.names, _written(series.rows), series.units, around, (series.note,))
     if len(value) >= _FEWEST_ROWS and all(isinstance(item, dict) for item in value):
         if any(_has_arrays(item) for item in value):
             return None  # tables of their own

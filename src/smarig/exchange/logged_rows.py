@@ -44,18 +44,30 @@ def logged_rows(lines: Sequence[str]) -> LoggedRows:
     if names:
         notes += ("The rows hold keys and values; the keys are the names of the columns.",)
     if not stamps:
-        return LoggedRows(["\t".join(names), *rows] if names else rows, notes, int(bool(names)))
+        return _headed("\t".join(names), rows, rows, notes) if names else LoggedRows(rows, notes)
     sign = "\t" if names else _sign(rows)
     head = None if names else _head(rows, sign)
     out = [f"{stamps[k]}{sign}{row}" if k in stamps else row for k, row in enumerate(rows)]
+    if names:
+        return _headed(sign.join([STAMP, *names]), out, rows, notes)
     if head is not None:
         out[head] = f"{STAMP}{sign}{rows[head]}"
         return LoggedRows(out, notes)
-    names = names or [f"column {k + 1}" for k in range(_width(rows, sign))]
+    names = [f"column {k + 1}" for k in range(_width(rows, sign))]
     if sign == " ":  # which such a name contains
         out = [re.sub(r"\s+", "\t", row.strip()) for row in out]
         sign = "\t"
     return LoggedRows([sign.join([STAMP, *names]), *out], notes, 1)
+
+
+def _headed(names: str, lines: list[str], rows: Sequence[str], notes: tuple[str, ...]) -> LoggedRows:
+    """The lines with the names directly above the first that has a row; what was logged at the start gives its line to
+    them.
+    """
+    first = next(k for k, row in enumerate(rows) if row)
+    if not first:
+        return LoggedRows([names, *lines], notes, 1)
+    return LoggedRows([*[""] * (first - 1), names, *lines[first:]], notes)
 
 
 def _without_stamps(lines: Sequence[str]) -> tuple[dict[int, str], list[str], tuple[str, ...]]:
@@ -71,8 +83,12 @@ def _without_stamps(lines: Sequence[str]) -> tuple[dict[int, str], list[str], tu
 
 
 def _without_keys(lines: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The keys of rows of keys and values, and the lines with the values alone; no keys if few lines are so."""
-    if not _most([k for k, line in enumerate(lines[:_SAMPLE]) if _pairs(line)], lines[:_SAMPLE]):
+    """The keys of rows of keys and values, and the lines with the values alone; no keys if few lines are so, from the
+    first of them on.
+    """
+    first = next((k for k, line in enumerate(lines) if _pairs(line)), 0)
+    sample = lines[first : first + _SAMPLE]
+    if not _most([k for k, line in enumerate(sample) if _pairs(line)], sample):
         return [], list(lines)
     pairs = [_pairs(line) for line in lines]
     names = list(dict.fromkeys(name for found in pairs for name in found))

@@ -158,20 +158,21 @@ def rounding_sd(run: Run) -> float:
     return 0.0 if averaged else run.info.output.resolution / float(np.sqrt(12))
 
 
-def dropouts(u: Array) -> NDArray[np.bool_]:
-    """The rows (n,) of an input that read exactly 0 while their neighbours do not come near it: an instrument that
-    failed to answer.
+def dropouts(u: Array, code: float = 0.0) -> NDArray[np.bool_]:
+    """The rows (n,) of an input that read exactly ``code`` while their neighbours do not come near it: an instrument
+    that failed to answer.
 
     >>> dropouts(np.array([20.0, 21.0, 0.0, 0.0, 23.0, 24.0])).tolist()
     [False, False, True, True, False, False]
     """
-    zero = u == 0
-    others = u[~zero]
-    if not zero.any() or others.size < 3:
+    coded = u == code
+    others = u[~coded]
+    if not coded.any() or others.size < 3:
         return np.zeros(u.size, dtype=bool)
     typical = float(np.quantile(np.abs(np.diff(others)), 0.99))
-    expected = np.interp(np.arange(u.size), np.flatnonzero(~zero), others)
-    return zero & (np.abs(expected) > max(DROPOUT_STEPS * typical, DROPOUT_SHARE * float(np.ptp(others))))
+    expected = np.interp(np.arange(u.size), np.flatnonzero(~coded), others)
+    far = np.abs(expected - code) > max(DROPOUT_STEPS * typical, DROPOUT_SHARE * float(np.ptp(others)))
+    return coded & far
 
 
 def recorded_means(run: Run) -> dict[str, float]:

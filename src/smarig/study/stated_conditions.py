@@ -8,11 +8,13 @@ from smarig.core import shown
 from smarig.exchange import FoundColumn, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import VALUE_IN_NAME
+from smarig.study.hung_weights import hung_weight
 from smarig.study.table_guess import TableGuess
 
 CONDITIONS = {q.STRESS: "stress", q.FORCE: "load", q.FIELD: "magnetic_field"}
 _HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
 _SCALARS = CONDITIONS | {q.AMBIENT: "room_temperature"}
+_NO_WEIGHT = (q.FORCE, q.STRESS, q.HEAT_FLOW)  # quantities of columns beside which a mass is no load
 _OF_SPECIMEN = ("applied", "constant", "nominal", "sample", "specimen", "wire", "temperature")
 _WEIGHTS = ("weight", "gewicht")  # that hang at a wire, if they are given as forces
 _OF_DEVICE = re.compile("cell|sensor|aufnehmer|dose|capteur")  # what a load cell can bear is no load
@@ -39,7 +41,8 @@ def stated_conditions(guess: TableGuess) -> dict[str, Stated]:
     comments = (
         conditions_in_comments(used).items() - clock.items()
     )  # a rate of logging is no frequency of the wire
-    found = _from(conditions_in_name(table.path.stem), "the name of the file")
+    found = _weight(guess, table.path.stem, "the name of the file")
+    found |= _from(conditions_in_name(table.path.stem), "the name of the file")
     found |= _from(dict(comments), "the comment of a column")
     measured = {c.quantity for role in ("input", "output") for c in guess.of_role(role)}
     if not measured & set(CONDITIONS):  # else a load is what the table measures
@@ -59,12 +62,25 @@ def _of_part(guess: TableGuess) -> dict[str, Stated]:
     for entries in guess.table.layout.values():
         for kind in (kind for kind in _PLACES if kind in entries):
             name = str(entries[kind])
-            found |= _from(conditions_in_name(name), f"the name of the {kind} {shown(name)}")
+            place = f"the name of the {kind} {shown(name)}"
+            found |= _weight(guess, name, place) | _from(conditions_in_name(name), place)
     for title in guess.table.titles:
         parts = [part for part in _PARTS_OF_TITLE.split(title) if part.strip()]
-        found |= _from(_quantities(dict(filter(None, map(_statement, parts)))), f"the title {shown(title)}")
+        place = f"the title {shown(title)}"
+        found |= _weight(guess, title, place)
+        found |= _from(_quantities(dict(filter(None, map(_statement, parts)))), place)
     entries = dict(_entries(guess.table.header))
     return found | _from(_quantities(entries), "a property of the table")
+
+
+def _weight(guess: TableGuess, text: str, place: str) -> dict[str, Stated]:
+    """The load of the weight that a text states, for a wire: beside a heat flow it is the mass of the sample, and a
+    measured force contains it.
+    """
+    weight = hung_weight(text)
+    if weight is None or any(c.quantity in _NO_WEIGHT for c in guess.columns):
+        return {}
+    return {CONDITIONS[q.FORCE]: Stated(weight.newtons, "N", f"{weight} in {place}")}
 
 
 def _statement(text: str) -> tuple[str, tuple[float, str]] | None:
