@@ -128,6 +128,12 @@ def footer_start(
     return None if divided or not row or _is_value(row[0], signs) else start
 
 
+def is_plain_row(row: Sequence[str], signs: Signs) -> bool:
+    """Whether the cells of a row are numbers, or clock times beside them."""
+    numbers = [is_number(cell, signs.decimal, signs.thousands) for cell in row]
+    return any(numbers) and all(n or clock_seconds(cell) is not None for n, cell in zip(numbers, row))
+
+
 def rows_end(rows: Sequence[Sequence[str]], first: int, signs: Signs) -> int:
     """The row after the last one of a table: rows of statistics below it are none of its own, nor are rows of texts."""
     k = len(rows)

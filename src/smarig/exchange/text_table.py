@@ -20,7 +20,7 @@ from smarig.exchange.eight_bit_text import eight_bit_text
 from smarig.exchange.interruptions import interruption_notes
 from smarig.exchange.no_reading import count_marks, mark_notes
 from smarig.exchange.table_lines import table_lines
-from smarig.exchange.table_rows import cells, footer_start, split, without_interruptions
+from smarig.exchange.table_rows import cells, footer_start, is_plain_row, split, without_interruptions
 from smarig.exchange.text_cells import TextCells, text_notes, texts_of
 
 MAX_BYTES = 500_000_000
@@ -330,11 +330,7 @@ def _first_numbers(
 ) -> tuple[int, list[str], str | None]:
     for k, line in enumerate(lines[:HEADER_WITHIN]):
         rows = {d: split(line, d) for d in choices}
-        numeric = {
-            d: c
-            for d, c in rows.items()
-            if c and all(is_number(x, layout.decimal, layout.thousands) for x in c)
-        }
+        numeric = {d: c for d, c in rows.items() if is_plain_row(c, layout)}
         for d, row in numeric.items():
             if len(row) == len(layout.names):
                 return k, list(layout.names), d
