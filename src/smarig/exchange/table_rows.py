@@ -152,6 +152,17 @@ def is_labelled(row: Sequence[str], model: Sequence[str], signs: Signs) -> bool:
     return j < len(model) and bool(model[j]) and _is_value(model[j], signs) and not _is_value(row[j], signs)
 
 
+def is_incomplete(row: Sequence[str], first: Sequence[str], names: Sequence[str], signs: Signs) -> bool:
+    """Whether the last line of a file, which has no end, lacks cells; words below the ``first`` row are a footer."""
+    return len(row) < len(names) and not (begins_with_word(row) and is_labelled(row, first, signs))
+
+
+def begins_with_word(row: Sequence[str]) -> bool:
+    """Whether the first cell begins with a word: one with digits may be a clock time that is cut."""
+    words = row[0].split() if row else []
+    return bool(words) and not any(sign.isdigit() for sign in words[0])
+
+
 def _is_row(row: Sequence[str], model: Sequence[str], signs: Signs) -> bool:
     return _mostly_numbers(row, signs) and not is_labelled(row, model, signs)
 
