@@ -1,5 +1,6 @@
 """Tables in long format become tables with a column for each variable: by the times of the readings, or by turns."""
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,8 +21,9 @@ _Row = tuple[
 ]  # the reading whose line and time are those of the row, and values
 
 
-def long_rows(path: Path, lines: Sequence[str]) -> LoggedRows:
-    """The lines of a text with a column for each variable of a long table; other texts as they are.
+def long_rows(path: Path, lines: Sequence[str], added: int = 0) -> LoggedRows:
+    """The lines of a text with a column for each variable of a long table; other texts as they are. The first ``added``
+    lines are not in the file.
 
     The rows stand in the lines of the variable with most readings. DataError if nothing states which readings belong
     to one row.
@@ -30,7 +32,8 @@ def long_rows(path: Path, lines: Sequence[str]) -> LoggedRows:
     if table is None:
         return LoggedRows(list(lines))
     rows, how = _rows(path, table)
-    notes = (f"{_what(table)} Each is a column. {how}", *_left_out(table), *_masked_notes(table))
+    masked = (*_masked_notes(table), *_word_notes(table, added))
+    notes = (f"{_what(table)} Each is a column. {how}", *_left_out(table), *masked)
     return LoggedRows(_written(lines, rows, table), notes)
 
 
@@ -84,7 +87,7 @@ def _scans(table: LongTable) -> list[_Row]:
 
 def _value(reading: LongReading, table: LongTable) -> str:
     """The cell of a reading, with its unit where those of a variable differ."""
-    if reading.line in table.masked or not reading.value:
+    if reading.line in table.masked or not reading.value or reading.line in table.words:
         return "nan"
     several = len(table.units[reading.variable]) > 1
     return f"{reading.value} {reading.at(reading.header.unit)}" if several else reading.value
@@ -142,3 +145,14 @@ def _masked_notes(table: LongTable) -> list[str]:
         return []
     name = table.header.names[table.header.quality]
     return [f"Readings that {shown(name)} marks as not valid are masked: {len(table.masked)}."]
+
+
+def _word_notes(table: LongTable, added: int) -> list[str]:
+    """A finding on the words among the readings, with the lines of the file where they first stand."""
+    if not table.words:
+        return []
+    number = Counter(table.words.values())
+    first = {word: line + 1 - added for line, word in reversed(table.words.items())}
+    listed = [f"{shown(word, 40)} ({times}, first in line {first[word]})" for word, times in number.items()]
+    more = ", …" if listed[_MOST_SHOWN:] else ""
+    return [f"Words among the readings are masked: {', '.join(listed[:_MOST_SHOWN])}{more}."]

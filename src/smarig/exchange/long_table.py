@@ -75,10 +75,12 @@ class LongReading:
 
 @dataclass(frozen=True)
 class LongTable:
-    """The readings of each variable, of which there are three or more, and ``others``, the rows that are none.
+    """The readings of each variable, of which there are three or more, a number among them, and ``others``, the rows
+    that are none.
 
     ``line`` is the line of the first header, ``time`` the column of times, "" without one, ``units`` are those of the
-    column of units by variable, and ``masked`` the lines of readings that are marked as not valid.
+    column of units by variable, ``masked`` the lines of readings that are marked as not valid, and ``words`` the
+    values of valid ones that are words, as "unavailable", by line.
     """
 
     line: int
@@ -88,6 +90,7 @@ class LongTable:
     time: str
     units: dict[tuple[str, ...], frozenset[str]]
     masked: frozenset[int]
+    words: dict[int, str]
 
     def title(self, variable: tuple[str, ...]) -> str:
         """The name of a variable: the parts of it by which variables differ."""
@@ -116,17 +119,20 @@ def long_table(lines: Sequence[str]) -> LongTable | None:
         r for r in every if not _OF_THE_LOG.fullmatch(r.variable[0]) and (not time or _is_time(r.cell(time)))
     ]
     times = Counter(r.variable for r in able)
-    readings = [r for r in able if times[r.variable] >= _FEWEST]
-    values = sum(is_missing(r.value) or _is_number(r.value) or is_quantity(r.value) for r in readings)
+    several = [r for r in able if times[r.variable] >= _FEWEST]
+    measured = {r.variable for r in several if not is_missing(r.value) and _is_value(r.value)}
+    readings = [r for r in several if r.variable in measured]  # a switch is on or off
+    masked = _masked(readings)
+    words = {r.line: r.value for r in readings if r.line not in masked and not _is_value(r.value)}
     found: dict[tuple[str, ...], list[LongReading]] = {}
     for reading in readings:
         found.setdefault(reading.variable, []).append(reading)
-    if len(found) < 2 or 2 * values <= len(readings) or _has_other_signals(found):
+    if len(found) < 2 or 2 * len(words) >= len(readings) or _has_other_signals(found):
         return None
     kept = {r.line for r in readings}
     others = [r for r in every if r.line not in kept]
     units = {v: frozenset(filter(None, (r.at(r.header.unit) for r in own))) for v, own in found.items()}
-    return LongTable(line, readings[0].header, found, others, time, units, _masked(readings))
+    return LongTable(line, readings[0].header, found, others, time, units, masked, words)
 
 
 def _header(line: str) -> LongHeader | None:
@@ -168,6 +174,11 @@ def _rows(lines: Sequence[str]) -> Iterator[LongReading]:
 
 def _is_number(cell: str) -> bool:
     return is_number(cell, ".") or is_number(cell, ",")
+
+
+def _is_value(cell: str) -> bool:
+    """Whether a cell is a number, one with a unit, or says that there is none."""
+    return is_missing(cell) or _is_number(cell) or is_quantity(cell)
 
 
 def _is_time(cell: str) -> bool:

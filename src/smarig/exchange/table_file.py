@@ -21,6 +21,7 @@ from smarig.exchange.long_table import is_long
 from smarig.exchange.no_reading import stands_for_none, without_marks
 from smarig.exchange.number_blocks import numbers_of
 from smarig.exchange.table_lines import MAX_LINE, check_lines
+from smarig.exchange.table_rows import begins_with_word
 from smarig.exchange.text_cells import TextCells, texts_of
 from smarig.exchange.text_table import HEADER_WITHIN, Table, TableLayout
 
@@ -122,8 +123,11 @@ def _whole_lines(file: BinaryIO, offset: int) -> Iterator[bytes]:
 def _complete(block: bytes, head: _Head, line: int) -> tuple[bytes, list[str]]:
     """The end of a file whose last line has no end: the line is dropped if cells are missing."""
     rest, _, last = block.rpartition(b"\n")
-    if len(text_table.split(last.decode("ascii"), head.delimiter)) >= len(head.names):
+    cells = text_table.split(last.decode("ascii"), head.delimiter)
+    if len(cells) >= len(head.names):
         return block + b"\n", []
+    if begins_with_word(cells):
+        raise _UnusualError  # it may be a footer
     rest += b"\n" if rest else b""
     return rest, [text_table.incomplete_note(line + rest.count(b"\n"))]
 

@@ -48,7 +48,7 @@ def _rewritten(path: Path, found: LoggedRows) -> LoggedRows:
     for rewrite in (
         partial(clock_pairs, path),
         channel_rows,
-        partial(long_rows, path),
+        partial(long_rows, path, added=found.added),
         partial(unit_cells, path),
     ):
         later = rewrite(found.lines)

@@ -128,6 +128,12 @@ def footer_start(
     return None if divided or not row or _is_value(row[0], signs) else start
 
 
+def is_plain_row(row: Sequence[str], signs: Signs) -> bool:
+    """Whether the cells of a row are numbers, or clock times beside them."""
+    numbers = [is_number(cell, signs.decimal, signs.thousands) for cell in row]
+    return any(numbers) and all(n or clock_seconds(cell) is not None for n, cell in zip(numbers, row))
+
+
 def rows_end(rows: Sequence[Sequence[str]], first: int, signs: Signs) -> int:
     """The row after the last one of a table: rows of statistics below it are none of its own, nor are rows of texts."""
     k = len(rows)
@@ -144,6 +150,17 @@ def is_labelled(row: Sequence[str], model: Sequence[str], signs: Signs) -> bool:
     """Whether the first filled cell of a row is a word, while the row ``model`` has a value there."""
     j = next((j for j, cell in enumerate(row) if cell), len(model))
     return j < len(model) and bool(model[j]) and _is_value(model[j], signs) and not _is_value(row[j], signs)
+
+
+def is_incomplete(row: Sequence[str], first: Sequence[str], names: Sequence[str], signs: Signs) -> bool:
+    """Whether the last line of a file, which has no end, lacks cells; words below the ``first`` row are a footer."""
+    return len(row) < len(names) and not (begins_with_word(row) and is_labelled(row, first, signs))
+
+
+def begins_with_word(row: Sequence[str]) -> bool:
+    """Whether the first cell begins with a word: one with digits may be a clock time that is cut."""
+    words = row[0].split() if row else []
+    return bool(words) and not any(sign.isdigit() for sign in words[0])
 
 
 def _is_row(row: Sequence[str], model: Sequence[str], signs: Signs) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from smarig.exchange.cell_values import is_missing, is_number
+from smarig.exchange.column_levels import column_levels
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
 from smarig.exchange.header_rows import (
     HEADER_ROWS,
@@ -174,7 +175,8 @@ def _block(
     width = max([width, *(len(row) for row in data)])
     if len(data) < FEWEST_ROWS or width < 2:
         return None
-    above = header_cells(rows, kinds, first, width, style, lines)
+    levels = column_levels(rows, kinds, first, width, style)
+    above = header_cells(rows, kinds, first, width, style, lines) if levels is None else {}
     rows = [above.get(k, row) for k, row in enumerate(rows)]
     stacked = stacked_heading(rows, kinds, first)
     if stacked is not None and stacked.combined:
@@ -183,6 +185,9 @@ def _block(
     texts = [rare_texts(column, style) for column in cells]
     columns = tuple(NUMBER if t else _column_kind(column, style) for t, column in zip(texts, cells))
     no_reading = tuple(dict.fromkeys(text for found in texts for text in found))
+    if levels is not None:
+        names, units = unique_names(levels.names, width)[0], tuple(map(unbracketed, levels.units))
+        return FoundBlock(levels.row, first, stop, names, units, columns, True, no_reading=no_reading)
     header, unit_row = header_rows(rows, kinds, first, columns, style)
     if stacked is not None and header == first - 1:  # the units are no names
         header, unit_row = stacked.row, first - 1

@@ -12,6 +12,7 @@ from smarig.exchange.cell_values import has_thousands
 from smarig.exchange.channel_rows import check_one_channel
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.json_document import no_table_in
+from smarig.exchange.late_thousands import with_late_thousands
 from smarig.exchange.lost_rows import without_lost_rows
 from smarig.exchange.table_file import read_table
 from smarig.exchange.table_lines import table_lines
@@ -122,7 +123,7 @@ def _chosen(lines: Sequence[str]) -> _Dialect | None:
         rated = _rating(dialect, sample) - 1e-6 * bool(style.thousands) - 1e-7 * _STYLES.index(style)
         if rated > most * (1 + 1e-9) + 1e-9:
             best, most = dialect, rated
-    return best
+    return best and replace(best, style=with_late_thousands(lines, DELIMITERS[best.delimiter], best.style))
 
 
 def _different(delimiters: Sequence[str], sample: Sequence[str]) -> Iterator[_Dialect]:

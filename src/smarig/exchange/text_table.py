@@ -14,13 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, UsageError, check_file, file_bytes, shown
-from smarig.exchange.cell_values import is_number, number_column
+from smarig.exchange.cell_values import number_column
 from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.eight_bit_text import eight_bit_text
+from smarig.exchange.first_names import first_names
 from smarig.exchange.interruptions import interruption_notes
 from smarig.exchange.no_reading import count_marks, mark_notes
 from smarig.exchange.table_lines import table_lines
-from smarig.exchange.table_rows import cells, footer_start, split, without_interruptions
+from smarig.exchange.table_rows import (
+    cells,
+    footer_start,
+    is_incomplete,
+    is_plain_row,
+    split,
+    without_interruptions,
+)
 from smarig.exchange.text_cells import TextCells, text_notes, texts_of
 
 MAX_BYTES = 500_000_000
@@ -127,7 +135,8 @@ def _table(
     if not layout.header_starts:
         notes += preamble_notes(preamble)
     unfinished = bool(lines[-1].strip()) and not text.endswith(("\n", "\r"))
-    if unfinished and len(split(lines[-1], delimiter)) < len(names):
+    model = split(lines[min(first, len(lines) - 1)], delimiter)
+    if unfinished and is_incomplete(split(lines[-1], delimiter), model, names, layout):
         notes.append(incomplete_note(len(lines) - added))
         lines.pop()
     again = "" if layout.names and not layout.header_line else lines[start]
@@ -300,29 +309,11 @@ def _best_header(path: Path, lines: Sequence[str], known: Sequence[str], choices
     if not scores[best]:
         listed = ", ".join(known[:6])
         raise DataError(
-            f"{path} has {_first_names(lines, choices)}: none of the expected columns ({listed}, …) was found "
-            f"in its first {len(scores)} lines. Name the file's columns with a mapping file (--map); "
+            f"{path} has {first_names(lines[:HEADER_WITHIN], choices)}: none of the expected columns ({listed}, …) "
+            f"was found in its first {len(scores)} lines. Name the file's columns with a mapping file (--map); "
             "`smarig study` drafts one."
         )
     return best
-
-
-def _first_names(lines: Sequence[str], choices: Sequence[str | None]) -> str:
-    """What stands above the first row of numbers: "no header row", or names that are not the expected ones."""
-    before = ""
-    for line in lines[:HEADER_WITHIN]:
-        rows = [(d, split(line, d)) for d in choices]
-        found = [
-            (d, row)
-            for d, row in rows
-            if len(row) > 1 and all(is_number(x, ".") or is_number(x, ",") for x in row)
-        ]
-        if found:
-            names = split(before, max(found, key=lambda pair: len(pair[1]))[0])
-            named = len(names) > 1 and not any(is_number(x, ".") for x in names)
-            return f"other columns ({', '.join(names)[:120]})" if named else "no header row"
-        before = line
-    return "no header row"
 
 
 def _first_numbers(
@@ -330,11 +321,7 @@ def _first_numbers(
 ) -> tuple[int, list[str], str | None]:
     for k, line in enumerate(lines[:HEADER_WITHIN]):
         rows = {d: split(line, d) for d in choices}
-        numeric = {
-            d: c
-            for d, c in rows.items()
-            if c and all(is_number(x, layout.decimal, layout.thousands) for x in c)
-        }
+        numeric = {d: c for d, c in rows.items() if is_plain_row(c, layout)}
         for d, row in numeric.items():
             if len(row) == len(layout.names):
                 return k, list(layout.names), d
