@@ -87,8 +87,8 @@ def _names(labels: Sequence[Mapping[str, str]]) -> list[str]:
     named = [each.get(_NAME, "value") for each in labels]
     found = []
     for name, each in zip(named, labels):
-        alike = [other for other, its in zip(labels, named) if its == name]
-        differ = [key for key in each if len({other.get(key) for other in alike}) > 1]
+        equally_named = [other for other, its in zip(labels, named) if its == name]
+        differ = [key for key in each if len({other.get(key) for other in equally_named}) > 1]
         found.append(" ".join([name, *(f"{key}={each[key]}" for key in differ)]))
     return found
 

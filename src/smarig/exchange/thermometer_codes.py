@@ -33,8 +33,8 @@ def _power_on(celsius: Array, code: float) -> NDArray[np.bool_]:
     """Mask of single readings (n,) of ``code``, if they are few: a wire can be held at 85 °C, or heated to it again and
     again.
     """
-    rows, beside = drops(celsius, code), np.pad(celsius == code, 1)
-    single = rows & ~beside[:-2] & ~beside[2:]
+    rows, is_code = drops(celsius, code), np.pad(celsius == code, 1)
+    single = rows & ~is_code[:-2] & ~is_code[2:]
     return single if single.sum() <= FEW * celsius.size else np.zeros(celsius.size, dtype=bool)
 
 
