@@ -83,16 +83,21 @@ def _without_stamps(lines: Sequence[str]) -> tuple[dict[int, str], list[str], tu
 
 
 def _without_keys(lines: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The keys of rows of keys and values, and the lines with the values alone; no keys if few lines are so, from the
-    first of them on.
+    """The keys of rows of keys and values, and the lines with the values alone; no keys if few lines are so, neither at
+    the beginning nor, from the first of them on, at the end.
     """
-    first = next((k for k, line in enumerate(lines) if _pairs(line)), 0)
-    sample = lines[first : first + _SAMPLE]
-    if not _most([k for k, line in enumerate(sample) if _pairs(line)], sample):
+    if not any(map(_are_pairs, (lines[:_SAMPLE], lines[-_SAMPLE:]))):
         return [], list(lines)
     pairs = [_pairs(line) for line in lines]
     names = list(dict.fromkeys(name for found in pairs for name in found))
     return names, ["\t".join(found.get(name, "nan") for name in names) if found else "" for found in pairs]
+
+
+def _are_pairs(sample: Sequence[str]) -> bool:
+    """Whether most lines of a sample hold pairs, from the first that does."""
+    able = [bool(_pairs(line)) for line in sample]
+    first = able.index(True) if any(able) else 0
+    return _most([k for k, is_pair in enumerate(able) if is_pair], sample[first:])
 
 
 def _most(found: Collection[int], lines: Sequence[str]) -> bool:
