@@ -22,7 +22,7 @@ from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies,
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import Verdict
 from smarig.identification import identify
-from smarig.plant import LearnedShape, effect_types, learned_effect_type
+from smarig.plant import EffectType, LearnedShape, effect_types, learned_effect_type
 from smarig.plant.effects.ambient_drift import ambient_drift
 from smarig.record import load_run
 from smarig.replay import predict
@@ -46,6 +46,15 @@ def test_hidden_effect_is_the_first_cause() -> None:
     assert found.causes[Part("effect", "walking")] > 0.9
     assert found.verdict.word == "named"
     assert found.verdict.names[0] == "walking"
+
+
+@pytest.mark.parametrize("kind", effect_types("one_wire"), ids=lambda kind: kind.name)
+def test_every_effect_of_the_catalogue_competes(kind: EffectType) -> None:
+    found = compared("walking")
+    (alone,) = [h for h in found.found.hypotheses if h.parts == (Part("effect", kind.name),)]
+    assert np.isfinite(alone.score)
+    assert 0.0 <= found.causes[Part("effect", kind.name)] <= 1.0
+    assert all(f"{kind.name}.{p.name}" in alone.best.parameters for p in kind.parameters)
 
 
 @pytest.mark.long("takes two seconds", cases=("1000.0",))
