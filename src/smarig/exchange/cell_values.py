@@ -81,6 +81,15 @@ def has_thousands(lines: Iterable[str], thousands: str) -> bool:
     return any(divided.search(line) for line in lines)
 
 
+def is_number_with_any_sign(cell: str) -> bool:
+    """Whether a cell is a number with a decimal point or a decimal comma.
+
+    >>> is_number_with_any_sign("1.5"), is_number_with_any_sign("1,5"), is_number_with_any_sign("on")
+    (True, True, False)
+    """
+    return is_number(cell, ".") or is_number(cell, ",")
+
+
 def is_missing(cell: str) -> bool:
     """Whether a cell says that there is no value.
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import Array, DataError, shown
-from smarig.exchange.cell_values import is_missing, is_number
+from smarig.exchange.cell_values import is_missing, is_number_with_any_sign
 from smarig.exchange.clock_cells import clock_column, clock_seconds
 from smarig.exchange.joined_clocks import joined_clocks
 from smarig.exchange.logged_rows import LoggedRows
@@ -110,7 +110,9 @@ def _clocks(path: Path, rows: Mapping[int, Sequence[str]], where: Sequence[Seque
     if cells and clock_seconds(cells[0]) is not None:
         t = clock_column(path, "time", cells, [k + 1 for found in where for k in found])
     else:
-        t = np.array([float(cell.replace(",", ".")) if _is_number(cell) else np.nan for cell in cells])
+        t = np.array(
+            [float(cell.replace(",", ".")) if is_number_with_any_sign(cell) else np.nan for cell in cells]
+        )
     return np.split(t, np.cumsum([len(found) for found in where])[:-1])
 
 
@@ -135,7 +137,7 @@ def _of_keys(lines: Sequence[str], first: int, sign: str, names: Sequence[str]) 
     for k in range(first + 1, len(lines)):
         cells = split(lines[k], sign)
         keys = set(cells[::2])
-        if len(keys) != 1 or is_number(cells[0], ".") or is_number(cells[0], ","):
+        if len(keys) != 1 or is_number_with_any_sign(cells[0]):
             break
         last, (key,), values = k, keys, [*cells[1::2], *[""] * len(names)][: len(names)]
         units = values if _UNIT.fullmatch(key) else units
@@ -151,15 +153,11 @@ def _rows(lines: Sequence[str], heading: _Heading) -> dict[int, list[str]]:
     for k, line in enumerate(lines[heading.last + 1 :], heading.last + 1):
         cells = split(line, heading.sign)
         times, values = [cell for cell in cells[::2] if cell], cells[1::2]
-        are_times = all(_is_number(cell) or clock_seconds(cell) is not None for cell in times)
-        are_values = all(_is_number(cell) or is_missing(cell) for cell in values)
+        are_times = all(is_number_with_any_sign(cell) or clock_seconds(cell) is not None for cell in times)
+        are_values = all(is_number_with_any_sign(cell) or is_missing(cell) for cell in values)
         if 1 < len(cells) <= width and times and are_times and are_values:
             rows[k] = cells + [""] * (width - len(cells))
     return rows
-
-
-def _is_number(cell: str) -> bool:
-    return is_number(cell, ".") or is_number(cell, ",")
 
 
 def _filled(rows: Mapping[int, Sequence[str]], j: int) -> list[int]:
@@ -170,7 +168,11 @@ def _filled(rows: Mapping[int, Sequence[str]], j: int) -> list[int]:
 def _unit_of_clock(heading: _Heading, clocks: Sequence[Array]) -> str:
     """The unit of the clocks in brackets: that of the stated periods, if they are the steps of the clocks; else ""."""
     periods, unit = heading.stated
-    if len(periods) != len(clocks) or dimension(unit) != "time" or not all(map(_is_number, periods)):
+    if (
+        len(periods) != len(clocks)
+        or dimension(unit) != "time"
+        or not all(map(is_number_with_any_sign, periods))
+    ):
         return ""
     if min(clock.size for clock in clocks) < 2:
         return ""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.exchange.cell_values import is_missing, is_number
+from smarig.exchange.cell_values import is_missing, is_number_with_any_sign
 from smarig.exchange.clock_cells import clock_seconds
 from smarig.exchange.table_rows import split
 from smarig.exchange.unit_cells import is_quantity
@@ -172,23 +172,19 @@ def _rows(lines: Sequence[str]) -> Iterator[LongReading]:
             yield LongReading(k, cells, header, tuple(cells[j] for j in header.variable))
 
 
-def _is_number(cell: str) -> bool:
-    return is_number(cell, ".") or is_number(cell, ",")
-
-
 def _is_value(cell: str) -> bool:
     """Whether a cell is a number, one with a unit, or says that there is none."""
-    return is_missing(cell) or _is_number(cell) or is_quantity(cell)
+    return is_missing(cell) or is_number_with_any_sign(cell) or is_quantity(cell)
 
 
 def _is_time(cell: str) -> bool:
-    return clock_seconds(cell) is not None or (bool(cell) and _is_number(cell))
+    return clock_seconds(cell) is not None or (bool(cell) and is_number_with_any_sign(cell))
 
 
 def _time(every: Sequence[LongReading]) -> str:
     """The column of times: the first of clock times, else of numbers; "" without one."""
     names = [r.header.names[j] for r in every[:1] for j in r.header.times]
-    for is_one in (lambda cell: clock_seconds(cell) is not None, _is_number):
+    for is_one in (lambda cell: clock_seconds(cell) is not None, is_number_with_any_sign):
         for name in names:
             cells = [r.cell(name) for r in every[:_HEADER_WITHIN]]
             if 2 * sum(map(is_one, cells)) > len(cells):
@@ -210,7 +206,7 @@ def _has_other_signals(readings: Mapping[tuple[str, ...], Sequence[LongReading]]
         own = {*h.variable, h.value, *h.times, h.unit, h.quality}
         for name in [name for j, name in enumerate(h.names) if j not in own]:
             cells = [r.cell(name) for r in found]
-            steps = np.diff([float(c.replace(",", ".")) for c in cells if _is_number(c)])
+            steps = np.diff([float(c.replace(",", ".")) for c in cells if is_number_with_any_sign(c)])
             if (steps > 0).any() and (steps < 0).any():
                 return True
     return False

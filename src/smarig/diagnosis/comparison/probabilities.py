@@ -7,12 +7,22 @@ no hypothesis has. How large that share is was counted in boxes whose causes are
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import Verdict
 
 # of the effects whose name an unknown verdict withholds, the share that is true: public boxes of all worlds
 WITHHELD = 0.5
+
+
+class Weighed(Protocol):
+    """What has weights of causes and of nothing: the weights themselves, or the evidence of a verdict."""
+
+    @property
+    def causes(self) -> Mapping[Part, float]: ...
+    @property
+    def nothing(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -27,11 +37,9 @@ class Probabilities:
     outside: float
 
 
-def probabilities(verdict: Verdict, causes: Mapping[Part, float], nothing: float) -> Probabilities:
-    """Probabilities from the weights of ``causes`` and of ``nothing``.
-
-    What a verdict names or sets as likely keeps its weight.
-    """
+def probabilities(verdict: Verdict, weighed: Weighed) -> Probabilities:
+    """Probabilities from weights; what a verdict names or sets as likely keeps its weight."""
+    causes, nothing = weighed.causes, weighed.nothing
     share = 1.0 if verdict.word in ("named", "ambiguous") else WITHHELD
     stated = {p: w * share if p.kind == "effect" else w for p, w in causes.items()}
     effects = max((w for p, w in causes.items() if p.kind == "effect"), default=0.0)

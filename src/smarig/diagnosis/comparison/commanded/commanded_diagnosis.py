@@ -72,7 +72,7 @@ class CommandedDiagnosis(NotebookDisplay):
     @property
     def probabilities(self) -> Probabilities:
         """The probabilities that the verdict states."""
-        return probabilities(self.verdict, self.evidence.causes, self.evidence.nothing)
+        return probabilities(self.verdict, self.evidence)
 
     @property
     def causes(self) -> Mapping[Part, float]:

@@ -51,8 +51,7 @@ class ThermalDiagnosis(NotebookDisplay):
     @property
     def probabilities(self) -> Probabilities:
         """The probabilities that the verdict states."""
-        weights = self.evidence.weights
-        return probabilities(self.verdict, weights.causes, weights.nothing)
+        return probabilities(self.verdict, self.evidence.weights)
 
     @property
     def causes(self) -> Mapping[Part, float]:
