@@ -16,7 +16,7 @@ from smarig.report import (
     to_uncertainty,
 )
 from smarig.report import table as html_table
-from smarig.study.study_figure import load_text
+from smarig.study.study_figure import load_of, load_text
 from smarig.study.study_result import StudyResult
 from smarig.transformation import FIGURES, TEMPERATURES, RunFigures
 
@@ -48,11 +48,11 @@ def key_figures(result: StudyResult, run: Run) -> Iterator[Html]:
 def temperatures_by_run(
     runs: Sequence[RunFigures], names: Sequence[str] = FIGURES, caption: str = "", *, stacked: bool = False
 ) -> Html:
-    """The figures of several runs, a row each; a run is called by its load where each has another."""
-    loads = [load_text(r.run) for r in runs]
-    by_load = all(loads) and len({*loads}) == len(loads)
-    labels = [load.replace(" ", "\u00a0") for load in loads] if by_load else [r.name for r in runs]
-    return runs_table(dict(zip(labels, runs)), names, "Load" if by_load else "Run", caption, stacked=stacked)
+    """The figures of several runs, a row each; a run is called by its load, in order, where each has another."""
+    by_load = {load_text(r.run).replace(" ", "\u00a0"): r for r in sorted(runs, key=lambda r: load_of(r.run))}
+    if len(by_load) == len(runs) and "" not in by_load:
+        return runs_table(by_load, names, "Load", caption, stacked=stacked)
+    return runs_table({r.name: r for r in runs}, names, "Run", caption, stacked=stacked)
 
 
 def _field_loops(result: StudyResult) -> Iterator[Row]:

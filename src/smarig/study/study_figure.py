@@ -126,6 +126,12 @@ def _load(result: StudyResult, run: RunVerification) -> str:
     return next((load_text(r) or r.name for r in result.split.held_out if str(r.path) == run.run), "")
 
 
+def load_of(run: Run) -> float:
+    """The recorded load of a run in its unit; NaN if none is."""
+    load = recorded_conditions(run).get(LOAD)
+    return np.nan if load is None else float(load.value)
+
+
 def load_text(run: Run) -> str:
     """The recorded load of a run with its unit; "" if none is."""
     load = recorded_conditions(run).get(LOAD)
@@ -135,7 +141,7 @@ def load_text(run: Run) -> str:
 def _family(result: StudyResult, shown: RunVerification) -> list[dict]:
     """The measured loops of the fitted loads, coloured in the order of the load."""
     runs = [r for r in result.split.train if str(r.path) != shown.run] if result.split else []
-    runs.sort(key=lambda r: float(recorded_conditions(r)[LOAD].value))
+    runs.sort(key=load_of)
     traces = []
     for run, shade, dash in zip(runs, style.colours(len(runs)), cycle(_FAMILY_DASHES)):
         known = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
