@@ -45,8 +45,9 @@ class ThermalStages:
         heating.tick(dt_s)
         if not self._output_dependent:
             return 1
-        ends = heating.ends(heating.source(current_A))
-        change_K = max(abs(end - now) for end, now in zip(ends, heating.wire_K)) * (1 - heating.decay)
+        first_K, second_K = heating.ends(heating.source(current_A))
+        wire_1_K, wire_2_K = heating.wire_K
+        change_K = max(abs(first_K - wire_1_K), abs(second_K - wire_2_K)) * (1 - heating.decay)
         parts = min(1 + int(change_K / MAX_PART_K), MAX_PARTS)
         if parts > 1:
             heating.tick(dt_s / parts)
@@ -113,8 +114,12 @@ class ThermalStages:
         Each wire cools independently: its own temperature and final temperature replace input and source.
         """
         hooks, now, heating = self._lag, self.now, self.heating
+        if not heating.two_wire:  # its temperature and source are those of the rig
+            if isinstance(now, PlantState):
+                now.wire, now.austenite = 0, now.share
+            return (apply_hooks(hooks, 1.0, now),)
         lags, source_K = [], now.source_K
-        for k in range(2 if heating.two_wire else 1):
+        for k in (0, 1):
             now.source_K, now.input_K = heating.ends(source_K)[k], heating.wire_K[k]
             if isinstance(now, PlantState):
                 now.wire, now.austenite = k, self._austenite(k)

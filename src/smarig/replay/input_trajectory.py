@@ -21,7 +21,6 @@ from smarig.plant import (
     SupportsHooks,
     ThermalStages,
     ThermalState,
-    apply_hooks,
     hook_chains,
 )
 from smarig.preisach import Initial
@@ -136,32 +135,43 @@ def _around_heating(
 ) -> InputTrajectory:
     """The trajectory with effects that heat no wire: they act on the temperatures of the wires ``alone``."""
     now: Any = ThermalState()
-    rows = alone.columns[: len(INPUT_COLUMNS)].T.tolist()
-    heated_K = (alone["wire_1_K"] - alone["wire_2_K"]).tolist()
-    changed = []
-    for row, wire_K in zip(rows, heated_K):
-        now.t_s, now.dt_s, now.command_A = row[:3]  # an ambient temperature follows from the last tick
-        ambient_K, last_K = apply_hooks(hooks[Stage.AMBIENT], 0.0, now), now.hysteresis_input_K
-        set_inputs(now, row)
-        now.hysteresis_input_K = last_K
+    ambient, at_input = hooks[Stage.AMBIENT], hooks[Stage.INPUT]
+    heated_K = alone["wire_1_K"] - alone["wire_2_K"]
+    names = ("t_s", "dt_s", "command_A", "current_A", "resistance", "source_K")
+    changed: list[float] = []
+    for t_s, dt_s, command_A, current_A, resistance, source_K, wire_K in zip(
+        *(alone[name].tolist() for name in names), heated_K.tolist()
+    ):
+        now.t_s, now.dt_s, now.command_A = t_s, dt_s, command_A
+        ambient_K = 0.0
+        for hook in ambient:  # the rest of its state is that of the last tick
+            ambient_K = hook(ambient_K, now)
+        now.current_A, now.resistance, now.source_K = current_A, resistance, source_K
         now.ambient_K, now.input_K = ambient_K, wire_K + (0.0 if two_wire else ambient_K)
-        now.hysteresis_input_K = apply_hooks(hooks[Stage.INPUT], now.input_K, now)
-        changed.append((now.ambient_K, now.input_K, now.hysteresis_input_K))
-    columns, names = alone.columns.copy(), ("ambient_K", "input_K", "hysteresis_input_K")
-    columns[[INPUT_COLUMNS.index(name) for name in names]] = np.array(changed).T
+        input_K = now.input_K
+        for hook in at_input:
+            input_K = hook(input_K, now)
+        now.hysteresis_input_K = input_K
+        changed += (ambient_K, now.input_K, input_K)
+    columns = alone.columns.copy()
+    rows = [INPUT_COLUMNS.index(name) for name in ("ambient_K", "input_K", "hysteresis_input_K")]
+    columns[rows] = np.array(changed).reshape(-1, len(rows)).T
     return InputTrajectory(columns, alone.ends)
 
 
 def _computed_trajectory(timeline: Timeline, thermal_stages: ThermalStages) -> InputTrajectory:
     t, current, _ = timeline.ticks
-    now, before, rows, ends = thermal_stages.now, 0.0, [], []
+    now, before, ends = thermal_stages.now, 0.0, []
+    values: list[float] = []
+    width = len(INPUT_COLUMNS) + len(WIRE_COLUMNS)
     for end, command_A in zip(t.tolist(), current.tolist()):
         dt_s, start_s = end - before, now.t_s
         parts = thermal_stages.parts(command_A, dt_s)
         now.dt_s = dt_s / parts
         for k in range(1, parts + 1):
             thermal_stages.hysteresis_input(command_A, 0.0, start_s + dt_s * k / parts)
-            rows.append((*_row(now), *thermal_stages.heating.wire_K))
-        ends.append(len(rows) - 1)
+            values += _row(now)
+            values += thermal_stages.heating.wire_K
+        ends.append(len(values) // width - 1)
         before = end
-    return InputTrajectory(np.array(rows).T.copy(), np.array(ends))
+    return InputTrajectory(np.array(values).reshape(-1, width).T.copy(), np.array(ends))
