@@ -29,7 +29,7 @@ TEXTS_OF_OTHERS = {
     "console/library/library_search.py": "what a person searches for",
     "device/contract/common_requirements.py": "that an error of a driver is one line",
     "device/links/modbus_tcp.py": "the library's error has no other sign of a reply that is missing",
-    "exchange/text_table.py": "columns of texts, by their names",
+    "exchange/tables/text_table.py": "columns of texts, by their names",
     "report/run_page.py": "levels of events",
 }
 

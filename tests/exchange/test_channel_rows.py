@@ -5,7 +5,7 @@ import pytest
 
 from smarig.cli import run as cli
 from smarig.exchange import find_tables, import_file
-from smarig.exchange.channel_rows import channel_rows
+from smarig.exchange.layouts.channel_rows import channel_rows
 from smarig.record import load_run
 from smarig.study import guess_table, mapping_draft
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.core import DataError
-from smarig.exchange.clock_cells import clock_column
+from smarig.exchange.text.clock_cells import clock_column
 
 
 def seconds(path, cells):

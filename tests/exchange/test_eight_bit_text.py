@@ -5,7 +5,7 @@ import pytest
 
 from smarig.cli import run as cli
 from smarig.exchange import find_tables
-from smarig.exchange.eight_bit_text import eight_bit_text
+from smarig.exchange.text.eight_bit_text import eight_bit_text
 
 U = np.round(60 - 55 * np.cos(np.linspace(0, 4 * np.pi, 160)), 2)
 X = np.round(3 + 2 * np.tanh((U - np.where(np.gradient(U) > 0, 66, 54)) / 6), 3)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from smarig.core import DataError
 from smarig.exchange import find_tables, known_unit
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 NAMES = ("Zeit", "Temperatur", "Weg")
 UNITS = ("s", "°C", "mm")

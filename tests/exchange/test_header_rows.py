@@ -5,8 +5,8 @@ import pytest
 
 from smarig.core import DataError
 from smarig.exchange import find_tables, preamble_lines
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 VALUES = np.round(np.random.default_rng(4).normal(20, 5, (12, 4)), 3)
 

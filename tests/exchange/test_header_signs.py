@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smarig.exchange import find_tables
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 SIGNS = {"blank": " ", "two blanks": "  ", "tab": "\t", "semicolon": ";", "comma": ",", "bar": " | "}
 ROW_SIGNS = ("\t", ";", ",", "  ", " ")

@@ -8,10 +8,10 @@ import pytest
 from smarig.control.tracking.reference import reference_from_csv
 from smarig.core.errors import DataError, UsageError
 from smarig.exchange import export_run
-from smarig.exchange.clock_cells import clock_seconds
-from smarig.exchange.found_table import FoundTable
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.found_table import FoundTable
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
+from smarig.exchange.text.clock_cells import clock_seconds
 from smarig.protocols import Setup, build_protocol
 from smarig.record import Recorder
 from smarig.study.typed_names import own_name
@@ -48,7 +48,7 @@ def test_a_hostile_table_is_refused_in_one_sentence(write, kind):
 )
 def test_no_line_of_a_forc_file_takes_more_than_linear_time(line):
     """Twenty thousand such lines: with a pattern that tries a line in two ways, one would take minutes."""
-    from smarig.exchange.forc_file import _DATA
+    from smarig.exchange.tables.forc_file import _DATA
 
     assert not any(_DATA.fullmatch(line) for _ in range(300))
 

@@ -6,10 +6,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from smarig.core.errors import DataError
-from smarig.exchange import import_file, table_file
-from smarig.exchange.number_blocks import numbers_of
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout, read_whole_table
+from smarig.exchange import import_file
+from smarig.exchange.tables import table_file
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout, read_whole_table
+from smarig.exchange.text.number_blocks import numbers_of
 from smarig.record import load_run
 
 CELLS = (

@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from smarig.exchange.channel_faults import channel_findings, clipped, quantum, unused_findings
-from smarig.exchange.findings import duplicate_columns, repeated_rows, saturation_marks
-from smarig.exchange.loop_faults import LoopRecord, branch_ends, loop_findings
-from smarig.exchange.time_axis import time_findings
+from smarig.exchange.checks.channel_faults import channel_findings, clipped, quantum, unused_findings
+from smarig.exchange.checks.findings import duplicate_columns, repeated_rows, saturation_marks
+from smarig.exchange.checks.loop_faults import LoopRecord, branch_ends, loop_findings
+from smarig.exchange.checks.time_axis import time_findings
 
 N = 400
 LINE = np.arange(2, N + 2)

@@ -5,7 +5,7 @@ import pytest
 
 from smarig.core.errors import DataError, UsageError
 from smarig.exchange import ForcCurves, correct_drift_if_it_helps, drift_corrected
-from smarig.exchange.drift import corrected, held_out_misses
+from smarig.exchange.checks.drift import corrected, held_out_misses
 
 HEADER = """MicroMag 2900/3900 Data File (Series 0015)
 First-order reversal curves

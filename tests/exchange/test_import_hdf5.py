@@ -19,7 +19,7 @@ skip_without("h5py", extra="files")
 from hostile import hdf5_files as crafted  # noqa: E402
 from hostile.material import HDF5_MAPPING, SECRET, Material  # noqa: E402
 from mutated.hdf5_files import COLUMNS, everything  # noqa: E402
-from smarig.exchange import hdf5_child, hdf5_process  # noqa: E402
+from smarig.exchange.binary import hdf5_child, hdf5_process  # noqa: E402
 
 posix = pytest.mark.skipif(os.name == "nt", reason="pipes, and limits of a process")
 

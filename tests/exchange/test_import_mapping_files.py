@@ -6,7 +6,7 @@ import pytest
 from smarig.config import shipped_names
 from smarig.core.errors import ConfigError, DataError, UsageError
 from smarig.exchange import import_file, load_mapping
-from smarig.exchange.unit_conversion import convert
+from smarig.exchange.units.unit_conversion import convert
 
 PLAIN = """
 name = "plain"

@@ -12,8 +12,8 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from scipy.io import loadmat, savemat
 
 from smarig.core.errors import ConfigError, DataError, SmarigError, UsageError
-from smarig.exchange import mat_file
-from smarig.exchange.mat_file import open_mat
+from smarig.exchange.binary import mat_file
+from smarig.exchange.binary.mat_file import open_mat
 
 MAPPING = """
 name = "made"

@@ -5,7 +5,7 @@ import pytest
 
 from smarig.core.errors import DataError, StorageError, UsageError
 from smarig.exchange import import_file
-from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
+from smarig.exchange.runs.hold_steps import Recording, found_steps, holds, tolerance
 from smarig.plant.actuator import Actuator
 
 COUNT_MM = 0.047

@@ -13,7 +13,7 @@ import pytest
 
 from smarig.core.errors import DataError
 from smarig.exchange import correct_drift_if_it_helps, import_file
-from smarig.exchange.drift import ForcCurves
+from smarig.exchange.checks.drift import ForcCurves
 from smarig.record import Run, load_run
 
 DATA = Path(__file__).resolve().parents[2] / ".." / "shared" / "data"

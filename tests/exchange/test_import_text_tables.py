@@ -6,9 +6,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from smarig.core.errors import DataError, SmarigError, UsageError
-from smarig.exchange.own_csv import read_own_csv
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.runs.own_csv import read_own_csv
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 NUMBERS = np.array([[0.0, 1.5, -2e-3], [1.0, 2.5, 3e4], [2.0, -0.5, 7.0]])
 KNOWN = TableLayout(known=("t", "a", "b"))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.core import DataError
-from smarig.exchange.channel_faults import error_codes
+from smarig.exchange.checks.channel_faults import error_codes
 from smarig.study import StudyOptions, study
 
 ROWS = 400

@@ -8,8 +8,8 @@ import pytest
 
 from smarig.core import DataError
 from smarig.exchange import find_tables
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 NAMES = ["time", "temperature", "strain"]
 U = np.round(70 - 50 * np.cos(np.linspace(0, 12, 300)), 3)

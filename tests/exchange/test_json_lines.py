@@ -7,8 +7,8 @@ import pytest
 
 from smarig.core import DataError
 from smarig.exchange import find_tables
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 U = np.round(25 + 40 * (1 - np.cos(np.linspace(0, 6, 30))), 2)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from smarig.exchange import find_tables
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 T = np.round(30 * np.sin(np.linspace(0, 12, 60)), 1)
 X = np.round(np.tanh(T / 9), 4)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.exchange import find_tables
-from smarig.exchange.lost_rows import lost_rows
+from smarig.exchange.tables.lost_rows import lost_rows
 from smarig.study import StudyOptions, study
 from study.known_data import displacements, temperatures
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.exchange import find_tables, import_file
-from smarig.exchange.time_axis import unwrapped
+from smarig.exchange.checks.time_axis import unwrapped
 from smarig.record import load_run
 from smarig.study import guess_table, mapping_draft
 

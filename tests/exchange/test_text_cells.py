@@ -2,8 +2,8 @@
 
 import pytest
 
-from smarig.exchange.table_file import read_table
-from smarig.exchange.text_table import TableLayout
+from smarig.exchange.tables.table_file import read_table
+from smarig.exchange.tables.text_table import TableLayout
 
 FIRST = {"remark": ["", "", "door open", "", ""], "state": ["LLLL", "LLLL", "LLHL", "LLLL", "LLLL"]}
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from mutated import forked_child
 from mutated.formats import FORMATS, Format
 from smarig.core import SmarigError
-from smarig.exchange import hdf5_process
+from smarig.exchange.binary import hdf5_process
 
 HEADER = (
     "| format | mutations | read | refused | internal errors | longest s | peak MB | longest sentence |\n"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from smarig.exchange import hdf5_child
+from smarig.exchange.binary import hdf5_child
 
 
 @dataclass

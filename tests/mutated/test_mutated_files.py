@@ -17,7 +17,7 @@ skip_without("pyarrow", extra="parquet")
 
 from mutated.campaign import open_one  # noqa: E402
 from mutated.formats import FORMATS  # noqa: E402
-from smarig.exchange import hdf5_child, hdf5_process  # noqa: E402
+from smarig.exchange.binary import hdf5_child, hdf5_process  # noqa: E402
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore"),  # of libraries, on what they read

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.exchange import find_tables
-from smarig.exchange.table_structure import NumberStyle, find_blocks
+from smarig.exchange.tables.table_structure import NumberStyle, find_blocks
 from smarig.study.imported_runs import import_tables
 from smarig.study.study_options import StudyOptions
 from smarig.study.understanding import understand

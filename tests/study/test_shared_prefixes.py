@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.exchange.wrapped_counts import continued_counts
+from smarig.exchange.checks.wrapped_counts import continued_counts
 from smarig.study import StudyOptions, study
 from smarig.study.shared_prefixes import shared_prefix
 from smarig.study.table_guess import guess_table

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from smarig.core import CURVES, DataError, check_file, content_kind, opened_file
-from smarig.exchange.forc_file import read_forc
-from smarig.exchange.found_table import FoundColumn, FoundTable
+from smarig.exchange.checks.value_bounds import check_size
 from smarig.exchange.importing import LARGEST_BYTES
 from smarig.exchange.refused_files import check_data_file
-from smarig.exchange.value_bounds import check_size
+from smarig.exchange.tables.forc_file import read_forc
+from smarig.exchange.tables.found_table import FoundColumn, FoundTable
 
 _HEAD = 4096  # bytes
 
@@ -33,28 +33,28 @@ def _tables(path: Path, others: Sequence[Path]) -> list[FoundTable]:
     with opened_file(path) as file:
         head = file.read(_HEAD)
     if head.startswith(b"PK"):
-        from smarig.exchange.workbook_file import workbook_tables
+        from smarig.exchange.binary.workbook_file import workbook_tables
 
         return workbook_tables(path)
     if head.startswith((b"\x89HDF", b"MATLAB 7.3")):
-        from smarig.exchange.hdf5_file import hdf5_tables
+        from smarig.exchange.binary.hdf5_file import hdf5_tables
 
         return hdf5_tables(path)
     if head.startswith(b"PAR1"):
-        from smarig.exchange.parquet_file import parquet_tables
+        from smarig.exchange.binary.parquet_file import parquet_tables
 
         return parquet_tables(path)
     if head.startswith(b"TDSm"):
-        from smarig.exchange.tdms_file import tdms_tables
+        from smarig.exchange.binary.tdms_file import tdms_tables
 
         return tdms_tables(path)
     if head.startswith(b"MATLAB 5"):
-        from smarig.exchange.mat_tables import mat_tables
+        from smarig.exchange.binary.mat_tables import mat_tables
 
         return mat_tables(path, others)
     if content_kind(path) == CURVES:
         return [_forc(path)]
-    from smarig.exchange.text_dialect import text_tables
+    from smarig.exchange.tables.text_dialect import text_tables
 
     return text_tables(path)
 

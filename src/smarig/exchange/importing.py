@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from smarig.core import DataError, StorageError, UsageError, catalogue_entry, check_file, in_unit, opened_file
-from smarig.exchange.mapping import mapping_text
-from smarig.exchange.reader_result import RunDraft
+from smarig.exchange.checks.value_bounds import LONGEST_S
+from smarig.exchange.mappings.mapping import mapping_text
 from smarig.exchange.refused_files import check_data_file
-from smarig.exchange.repair import Repair, repaired
-from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.runs.reader_result import RunDraft
+from smarig.exchange.runs.repair import Repair, repaired
+from smarig.exchange.runs.rig_constants import RigConstants
 from smarig.exchange.unchanged_file import unchanged
-from smarig.exchange.value_bounds import LONGEST_S
 from smarig.record import CONTINUED, ImportFinding, Run, load_run, write_run
 
 LARGEST_BYTES = 2 * 10**9

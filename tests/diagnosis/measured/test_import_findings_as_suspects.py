@@ -10,9 +10,9 @@ from smarig.core import UsageError
 from smarig.diagnosis import diagnose
 from smarig.diagnosis.comparison.measured.measured_runs import selected_rows
 from smarig.diagnosis.suspects import suspects
-from smarig.exchange.loop_faults import LoopRecord, loop_findings
-from smarig.exchange.reader_result import RunDraft
-from smarig.exchange.repair import repaired
+from smarig.exchange.checks.loop_faults import LoopRecord, loop_findings
+from smarig.exchange.runs.reader_result import RunDraft
+from smarig.exchange.runs.repair import repaired
 from smarig.identification import identify
 from smarig.measurement import input_records
 from smarig.record import remarks

@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from smarig.core import UsageError
-from smarig.exchange.mapped_csv import read_mapped_csv
-from smarig.exchange.mapping import load_mapping
-from smarig.exchange.own_csv import read_own_csv
-from smarig.exchange.reader_result import RunDraft
-from smarig.exchange.rig_constants import RigConstants
-from smarig.exchange.with_heating_model import with_heating_model
+from smarig.exchange.mappings.mapping import load_mapping
+from smarig.exchange.runs.mapped_csv import read_mapped_csv
+from smarig.exchange.runs.own_csv import read_own_csv
+from smarig.exchange.runs.reader_result import RunDraft
+from smarig.exchange.runs.rig_constants import RigConstants
+from smarig.exchange.runs.with_heating_model import with_heating_model
 
 
 def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from smarig.core import DataError, UsageError
-from smarig.exchange.drift import ForcCurves, correct_drift_if_it_helps
-from smarig.exchange.forc_file import ForcFile, read_forc
-from smarig.exchange.reader_result import RunDraft
+from smarig.exchange.checks.drift import ForcCurves, correct_drift_if_it_helps
+from smarig.exchange.runs.reader_result import RunDraft
+from smarig.exchange.tables.forc_file import ForcFile, read_forc
 from smarig.record import FORC_PROTOCOL, remarks
 
 

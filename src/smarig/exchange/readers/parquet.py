@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from smarig.core import UsageError
-from smarig.exchange.mapped_csv import mapped_draft
-from smarig.exchange.mapping import load_mapping
-from smarig.exchange.parquet_file import read_parquet
-from smarig.exchange.reader_result import RunDraft
-from smarig.exchange.rig_constants import RigConstants
-from smarig.exchange.with_heating_model import with_heating_model
+from smarig.exchange.binary.parquet_file import read_parquet
+from smarig.exchange.mappings.mapping import load_mapping
+from smarig.exchange.runs.mapped_csv import mapped_draft
+from smarig.exchange.runs.reader_result import RunDraft
+from smarig.exchange.runs.rig_constants import RigConstants
+from smarig.exchange.runs.with_heating_model import with_heating_model
 
 
 def parquet(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:

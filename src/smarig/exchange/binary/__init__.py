@@ -1,0 +1,1 @@
+"""Files that are not texts: HDF5, MATLAB, Parquet, TDMS, workbooks."""

@@ -1,0 +1,116 @@
+"""Reads groups of LabVIEW TDMS files with npTDMS: the channels of one length, their units, and their common clock."""
+
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from smarig.core import Array, DataError, UsageError, shown
+from smarig.exchange.binary.needed_package import needed_package
+from smarig.exchange.mappings.mapping import MappingFile, require_columns
+from smarig.exchange.mappings.mapping_layouts import TdmsLayout
+from smarig.exchange.tables.found_table import FoundColumn, FoundTable
+from smarig.exchange.tables.text_table import Table, missing_notes
+
+MAX_VALUES = 50_000_000  # of all channels
+MAX_GROUPS = 1000
+CLOCK = "time"  # name of the column of the clock that a group's channels share
+_UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
+
+
+def tdms_tables(path: Path) -> list[FoundTable]:
+    """A table for each group of two numeric channels or more of one length; DataError if there is none."""
+    with _opened(path) as file:
+        groups = [(group, _columns(path, group)) for group in file.groups()[:MAX_GROUPS]]
+        headers = {group.name: _texts(file.properties) | _texts(group.properties) for group, _ in groups}
+    tables = {group.name: columns for group, columns in groups if len(columns) >= 2}
+    if not tables:
+        raise DataError(
+            f"{path} holds no group with two numeric channels of one length. Give a file of measured columns."
+        )
+    return [
+        FoundTable(
+            path, "tdms", name if len(tables) > 1 else "", columns, {"tdms": {"group": name}}, headers[name]
+        )
+        for name, columns in tables.items()
+    ]
+
+
+def _texts(properties: Mapping[str, Any]) -> dict[str, str]:
+    return {str(key): str(value) for key, value in properties.items()}
+
+
+def read_tdms(path: Path, mapping: MappingFile, layout: TdmsLayout) -> Table:
+    """The channels of a group; UsageError for a missing group, ConfigError for channels that the mapping does not
+    name.
+    """
+    with _opened(path) as file:
+        groups = {group.name: group for group in file.groups()}
+        if layout.group not in groups:
+            raise UsageError(
+                f"{path} has no group {shown(layout.group)}. Its groups are: {', '.join(groups)}."
+            )
+        columns = {column.name: column.values for column in _columns(path, groups[layout.group])}
+    require_columns(mapping, list(columns), path, "channel")
+    rows = next(iter(columns.values())).size
+    return Table(columns, np.arange(1, rows + 1), {}, tuple(missing_notes(columns)))
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The file, whose values are read when they are asked for; DataError for a damaged or a very large one."""
+    package = needed_package("nptdms", path, "a LabVIEW TDMS file")
+    package.log.log_manager.set_level(logging.CRITICAL)  # it prints bytes of damaged files
+    try:
+        with path.open("rb") as opened, _with_metadata(package, path, opened) as file:
+            values = sum(len(channel) for group in file.groups() for channel in group.channels())
+            if values > MAX_VALUES:
+                raise DataError(f"{path} holds {values} values, more than {MAX_VALUES}. Split it.")
+            yield file
+    except (DataError, UsageError, MemoryError):
+        raise
+    except Exception as error:  # npTDMS raises whatever damaged bytes lead to
+        raise _damaged(path, type(error).__name__) from None
+
+
+def _with_metadata(package: Any, path: Path, opened: BinaryIO) -> Any:
+    """The file before its values are read. A length in damaged bytes asks for any amount of memory."""
+    try:
+        return package.TdmsFile.open(opened)
+    except MemoryError:
+        raise _damaged(path, "an impossible length") from None
+
+
+def _damaged(path: Path, why: str) -> DataError:
+    return DataError(f"{path} is no TDMS file, or is damaged ({why}). Copy it again.")
+
+
+def _columns(path: Path, group: Any) -> tuple[FoundColumn, ...]:
+    """The clock and the numeric channels of the most frequent length in a group."""
+    numeric = [channel for channel in group.channels() if channel.dtype.kind in "iufbM" and len(channel) >= 2]
+    lengths = [len(channel) for channel in numeric]
+    usual = max(set(lengths), key=lambda n: (lengths.count(n), n), default=0)
+    channels = [channel for channel in numeric if len(channel) == usual]
+    columns = [FoundColumn(channel.name, *_read(path, channel)) for channel in channels]
+    clocks = {(c.properties.get("wf_increment"), c.properties.get("wf_start_offset", 0.0)) for c in channels}
+    if len(clocks) == 1 and CLOCK not in [column.name for column in columns]:
+        step, start = clocks.pop()
+        if step:
+            clock = float(start) + float(step) * np.arange(usual, dtype=np.float64)
+            columns.insert(0, FoundColumn(CLOCK, "s", clock.astype(np.float64)))
+    return tuple(columns)
+
+
+def _read(path: Path, channel: Any) -> tuple[str, Array]:
+    """The unit of a channel, and its values; those of times are seconds from the first."""
+    values = channel[:]
+    if values.dtype.kind == "M":
+        return "s", (values - values[0]) / np.timedelta64(1, "s")
+    numbers = np.array(values, dtype=np.float64)
+    if numbers.ndim != 1:
+        raise DataError(f"{path}: channel {shown(channel.name)} holds no plain numbers.")
+    numbers[np.isinf(numbers)] = np.nan
+    return next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), ""), numbers

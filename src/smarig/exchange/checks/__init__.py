@@ -1,0 +1,1 @@
+"""Checks of the values of columns: failed readings, jumps, wraps, drift, and the order of time."""

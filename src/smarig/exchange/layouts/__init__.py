@@ -1,0 +1,1 @@
+"""Layouts in which a row is not an instant: long tables, pairs of columns, logs, JSON."""

@@ -1,0 +1,1 @@
+"""Mapping files: what the columns of a data file mean."""

@@ -1,0 +1,1 @@
+"""Tables in texts: headings, dialects, and what is not a row."""

@@ -1,0 +1,1 @@
+"""Units of data files: how they are written, and their conversion."""
