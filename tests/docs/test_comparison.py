@@ -23,7 +23,7 @@ MEASURED = tomllib.loads((ROOT / "docs/explanation/comparison.toml").read_text(e
 TESTED_BY = (
     ("equal to the last bit", "rig/bench/test_lock_step", "bytes_make_no_difference"),
     ("the lease of the device ends", "rig/bench/test_sudden_death", "a_killed_host_costs_time"),
-    ("without a lease, limits are lower", "rig/test_lease_limits", ""),
+    ("without a lease, limits are lower", "rig/test_limits_without_lease", ""),
     ("the memory of the wire is restored first", "runner/test_resume", "a_killed_run_ends_with_the_table"),
     (
         "what PyMeasure or QCoDeS drives",

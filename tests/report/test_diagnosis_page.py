@@ -10,7 +10,7 @@ import pytest
 from diagnosed_twin import WALKING, diagnosed_twin
 from report.pages import LOADING, Page, unpacked
 from smarig.diagnosis import CommandedDiagnosis
-from smarig.diagnosis.comparison.rules import Verdict
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 from smarig.plant.effect_catalogue import effect_types
 from smarig.report.components.figure import AXIS_MARGIN
 from smarig.report.components.page import write_page

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.rules import Verdict
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 from smarig.exchange import FoundColumn, FoundTable, find_tables, load_mapping
 from smarig.study import candidate_models, guess_table, mapping_draft, study_sentences
 from smarig.study.study_sentences import finding_sentence

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.missing_knowledge import inputs_of_error as inputs_of_error
     from smarig.diagnosis.comparison.missing_knowledge import missing_share as missing_share
     from smarig.diagnosis.comparison.probabilities import Probabilities as Probabilities
-    from smarig.diagnosis.comparison.rules import RULES as RULES
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis as ThermalDiagnosis
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
+    from smarig.diagnosis.comparison.verdict_rules import RULES as RULES
     from smarig.diagnosis.comparison.verdict_sentences import doubtful_causes as doubtful_causes
     from smarig.diagnosis.comparison.weights import TEMPERATURE as TEMPERATURE
     from smarig.diagnosis.comparison.weights import Weights as Weights

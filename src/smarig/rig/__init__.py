@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from smarig.rig.force_statistics import ForceStatistics as ForceStatistics
     from smarig.rig.guard import Guard as Guard
     from smarig.rig.guard import outside_limits_text as outside_limits_text
-    from smarig.rig.lease_limits import limits_in_force as limits_in_force
-    from smarig.rig.lease_limits import without_lease_text as without_lease_text
+    from smarig.rig.limits_without_lease import limits_in_force as limits_in_force
+    from smarig.rig.limits_without_lease import without_lease_text as without_lease_text
     from smarig.rig.open_rig import open_rig as open_rig
     from smarig.rig.plausibility import Plausibility as Plausibility
     from smarig.rig.rig import Rig as Rig

@@ -18,7 +18,7 @@ from smarig.plant import Actuator
 from smarig.rig.electrical_plausibility import MIN_CURRENT_A, read_back_tolerance_A
 from smarig.rig.expected_resistance import ExpectedResistance, without_voltage_text
 from smarig.rig.guard import Guard
-from smarig.rig.lease_limits import limits_in_force, without_lease_text
+from smarig.rig.limits_without_lease import limits_in_force, without_lease_text
 from smarig.rig.motion_model import MotionModel, motion_of
 from smarig.rig.resistance_motion import ResistanceMotion
 from smarig.rig.rig import Rig

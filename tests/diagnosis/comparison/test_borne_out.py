@@ -6,7 +6,7 @@ import pytest
 from smarig.diagnosis.comparison.commanded.commanded_evidence import _with_held_out_gain
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
-from smarig.diagnosis.comparison.rules import VerdictEvidence, decide
+from smarig.diagnosis.comparison.verdict_rules import VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
 

@@ -20,7 +20,7 @@ from smarig.diagnosis.comparison.commanded.discrepancy_kernels import _Geometry
 from smarig.diagnosis.comparison.commanded.kernel_shapes import PLAUSIBLE_ROOM_K
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies, least_near
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.rules import Verdict
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 from smarig.identification import identify
 from smarig.plant import EffectType, LearnedShape, effect_types, learned_effect_type
 from smarig.plant.effects.ambient_drift import ambient_drift

@@ -11,7 +11,7 @@ from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, _b
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, _joined
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
-from smarig.diagnosis.comparison.rules import VerdictEvidence, decide
+from smarig.diagnosis.comparison.verdict_rules import VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import TEMPERATURE, weigh
 
 BLOCK = np.repeat(np.arange(6), 5)

@@ -6,7 +6,7 @@ import pytest
 
 from smarig.diagnosis import Part
 from smarig.diagnosis.comparison.probabilities import WITHHELD, probabilities
-from smarig.diagnosis.comparison.rules import Verdict
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 
 LAG, DRIFT, TIME = Part("effect", "wire_lag"), Part("effect", "ambient_drift"), Part("variable", "time")
 weighed = namedtuple("weighed", ("causes", "nothing"))

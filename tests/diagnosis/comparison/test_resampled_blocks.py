@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.intervals import interval
-from smarig.diagnosis.comparison.rules import VerdictEvidence, decide
+from smarig.diagnosis.comparison.verdict_rules import VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import PRIOR_NOTHING, PRIOR_SINGLE, TEMPERATURE, weigh
 
 LAG = Part("effect", "input_lag")

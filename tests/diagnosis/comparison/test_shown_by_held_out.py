@@ -14,7 +14,7 @@ from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with
 from smarig.diagnosis.comparison.commanded.extension import extension_of, gain_with, held_out_shares
 from smarig.diagnosis.comparison.commanded.shown_by_held_out import variable_of_all_runs
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.rules import VerdictEvidence
+from smarig.diagnosis.comparison.verdict_rules import VerdictEvidence
 from smarig.diagnosis.comparison.weights import weigh
 from smarig.identification import identify
 from smarig.plant.effect_catalogue import effects_from_pairs

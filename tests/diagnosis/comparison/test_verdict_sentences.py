@@ -3,7 +3,7 @@
 import pytest
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.rules import Verdict
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 
 

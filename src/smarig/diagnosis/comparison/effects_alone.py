@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
-from smarig.diagnosis.comparison.rules import VerdictEvidence
+from smarig.diagnosis.comparison.verdict_rules import VerdictEvidence
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.refit.reading_noise import EFFECT_ERROR_SHARE
 

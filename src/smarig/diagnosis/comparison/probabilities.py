@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.rules import Verdict
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 
 # of the effects whose name an unknown verdict withholds, the share that is true: public boxes of all worlds
 WITHHELD = 0.5

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.finding import Finding
-from smarig.diagnosis.comparison.rules import SENTENCES, Verdict
+from smarig.diagnosis.comparison.verdict_rules import SENTENCES, Verdict
 from smarig.diagnosis.diagnosis_text import parameter_text
 from smarig.diagnosis.variable_words import variable_words
 

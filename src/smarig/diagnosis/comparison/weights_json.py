@@ -4,7 +4,7 @@ from typing import Any
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
 from smarig.diagnosis.comparison.probabilities import Probabilities
-from smarig.diagnosis.comparison.rules import SENTENCES, Verdict
+from smarig.diagnosis.comparison.verdict_rules import SENTENCES, Verdict
 from smarig.diagnosis.comparison.weights import Weights
 
 

@@ -24,7 +24,7 @@ from smarig.diagnosis.comparison.commanded.extension import (
 )
 from smarig.diagnosis.comparison.commanded.shown_by_held_out import variable_of_all_runs
 from smarig.diagnosis.comparison.commanded.undetermined import missing_knowledge_of
-from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
+from smarig.diagnosis.comparison.verdict_rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.record import Run, loaded_runs

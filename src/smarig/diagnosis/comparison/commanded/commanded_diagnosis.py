@@ -17,7 +17,7 @@ from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, 
 from smarig.diagnosis.comparison.finding import Finding
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge
 from smarig.diagnosis.comparison.probabilities import Probabilities, probabilities
-from smarig.diagnosis.comparison.rules import RULES, SENTENCES, Verdict, VerdictEvidence
+from smarig.diagnosis.comparison.verdict_rules import RULES, SENTENCES, Verdict, VerdictEvidence
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.diagnosed_model import diagnosed_model
 from smarig.diagnosis.diagnosis_text import FAR_OFF_RATIO

@@ -12,7 +12,7 @@ from smarig.diagnosis.comparison.commanded.extension import Extension
 from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.effects_alone import with_effects_alone
-from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
+from smarig.diagnosis.comparison.verdict_rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.looks_like import acts_through

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from smarig.diagnosis.comparison.rules import RULES, SENTENCES
+from smarig.diagnosis.comparison.verdict_rules import RULES, SENTENCES
 from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 from smarig.diagnosis.diagnosis_text import (
     as_verified,

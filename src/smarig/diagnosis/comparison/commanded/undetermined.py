@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
-from smarig.diagnosis.comparison.rules import RULES
+from smarig.diagnosis.comparison.verdict_rules import RULES
 from smarig.diagnosis.refit.joint_density import (
     joint_density_from_best_start,
     with_positive_measure,

@@ -26,7 +26,7 @@ from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem,
 from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge
-from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
+from smarig.diagnosis.comparison.verdict_rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
 from smarig.diagnosis.suspects import suspects
 from smarig.measurement import MeasurementEffect, measurement_effect_types

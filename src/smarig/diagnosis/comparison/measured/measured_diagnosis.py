@@ -35,7 +35,7 @@ from smarig.diagnosis.comparison.measured.measured_runs import records_of, repla
 from smarig.diagnosis.comparison.measured.measured_text import measured_lines
 from smarig.diagnosis.comparison.measured.preisach_properties import PropertyTest, preisach_properties
 from smarig.diagnosis.comparison.probabilities import Probabilities, probabilities
-from smarig.diagnosis.comparison.rules import Verdict
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.identification import Comparison, MeasuredHypothesis, compared
 from smarig.measurement import InputRecord, LearnedTerm, MeasurementPart, measurement_effect_types

@@ -11,7 +11,7 @@ from smarig.diagnosis.comparison.measured.learned_fit import LearnedFit
 from smarig.diagnosis.comparison.measured.learned_law import LearnedLaw
 from smarig.diagnosis.comparison.measured.learned_search import learned_of
 from smarig.diagnosis.comparison.measured.measured_runs import replayed_error
-from smarig.diagnosis.comparison.rules import RULES
+from smarig.diagnosis.comparison.verdict_rules import RULES
 from smarig.identification import (
     OWN_ADVANTAGE,
     PROPORTIONAL,

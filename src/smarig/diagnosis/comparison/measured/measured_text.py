@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis.comparison.measured.measured_comparison import RunOffset
-from smarig.diagnosis.comparison.rules import RULES
+from smarig.diagnosis.comparison.verdict_rules import RULES
 from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 from smarig.diagnosis.diagnosis_text import (
     FAR_OFF_RATIO,

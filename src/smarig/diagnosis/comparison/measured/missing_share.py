@@ -14,7 +14,7 @@ from smarig.diagnosis.comparison.missing_knowledge import (
     inputs_of_error,
     missing_share,
 )
-from smarig.diagnosis.comparison.rules import RULES
+from smarig.diagnosis.comparison.verdict_rules import RULES
 
 CONSTANT = 10.0  # column of the unknown zero, of either sign
 

@@ -11,13 +11,13 @@ import numpy as np
 from smarig.core import Array, root_mean_square
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.intervals import interval
-from smarig.diagnosis.comparison.rules import Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.thermal.balance_fit import fit_balance
 from smarig.diagnosis.comparison.thermal.thermal_additions import FittedThermalAddition, first_basis
 from smarig.diagnosis.comparison.thermal.thermal_effects import EFFECTS
 from smarig.diagnosis.comparison.thermal.thermal_problem import ThermalProblem, thermal_problem
 from smarig.diagnosis.comparison.thermal.thermal_record import ThermalRecord
 from smarig.diagnosis.comparison.thermal.thermal_search import Progress, searched_hypotheses
+from smarig.diagnosis.comparison.verdict_rules import Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
 
 Interval = tuple[float, float]

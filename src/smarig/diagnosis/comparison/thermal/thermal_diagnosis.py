@@ -16,7 +16,6 @@ from smarig.core import NotebookDisplay, UsageError
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.finding import Finding
 from smarig.diagnosis.comparison.probabilities import Probabilities, probabilities
-from smarig.diagnosis.comparison.rules import Verdict
 from smarig.diagnosis.comparison.thermal.balance_fit import PLAIN, FittedBalance
 from smarig.diagnosis.comparison.thermal.thermal_comparison import ThermalComparison, compare_thermal
 from smarig.diagnosis.comparison.thermal.thermal_effects import (
@@ -27,6 +26,7 @@ from smarig.diagnosis.comparison.thermal.thermal_effects import (
 from smarig.diagnosis.comparison.thermal.thermal_json import thermal_json
 from smarig.diagnosis.comparison.thermal.thermal_record import ThermalRecord, thermal_record_of
 from smarig.diagnosis.comparison.thermal.thermal_text import thermal_lines
+from smarig.diagnosis.comparison.verdict_rules import Verdict
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.run_checks import check_left_out
 from smarig.record import Run, load_run

@@ -3,7 +3,7 @@
 import pytest
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.rules import RULES, SENTENCES, VerdictEvidence, decide
+from smarig.diagnosis.comparison.verdict_rules import RULES, SENTENCES, VerdictEvidence, decide
 
 LAG, DRIFT = Part("effect", "input_lag"), Part("effect", "output_drift")
 RATE, TIME = Part("variable", "rate"), Part("variable", "time")
