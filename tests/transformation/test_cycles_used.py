@@ -64,6 +64,9 @@ def test_cycles_between_other_temperatures_do_not_enter_a_drift():
     assert "3 cycles between the same temperatures, and there are 2" in two.no_drift
 
 
+NAMES = ("A_s", "A_f", "M_s", "M_f")
+
+
 def test_the_lag_of_the_heating_model_widens_the_interval():
     """0.5 K/s and τ = 5.3 s: ± 2.7 K on each branch, in opposite directions, so twice that in the width."""
     u, y = cycle(noise=0.002)
@@ -84,8 +87,24 @@ def test_the_lag_of_the_heating_model_widens_the_interval():
         assert half(lagged, name) == pytest.approx(0.95 * 0.5 * 5.33, rel=0.06)
     assert half(lagged, "width") == pytest.approx(2 * 0.95 * 0.5 * 5.33, rel=0.06)
     assert half(measured, "A_s") == pytest.approx(half(plain, "A_s"))
-    assert any("each second of lag raises A_s and A_f by 0.5 K" in note for note in measured.notes)
+    assert any("the thermometer is later lowers A_s and A_f by 0.5 K" in note for note in measured.notes)
     assert any("widened by ± rate × τ" in note for note in lagged.notes)
+
+
+@pytest.mark.parametrize("later", ["thermometer", "wire"])
+def test_which_way_a_lag_of_the_thermometer_or_of_the_wire_shifts_each_temperature(later):
+    """4 s at 0.5 K/s are 2 K: a thermometer that is later lowers A_s and A_f and raises M_s and M_f."""
+    u, y = cycle(noise=0.002)
+    u, y = np.tile(u, 2), np.tile(y, 2)
+    t = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(u)))]) / 0.5 + 1e-9 * np.arange(u.size)
+    late = {"thermometer": u, "wire": y}[later]
+    late[:] = np.interp(t - 4.0, t, late.copy())
+    lagging, exact = run_of(u, y), run_of(*(np.tile(x, 2) for x in cycle(noise=0.002)))
+    lagging.columns["t_s"] = t
+    shift = {n: run_figures(lagging).means[n].value - run_figures(exact).means[n].value for n in NAMES}
+    sign = -1.0 if later == "thermometer" else 1.0
+    for name in NAMES:
+        assert shift[name] == pytest.approx(sign * (2.0 if name[0] == "A" else -2.0), abs=0.6), name
 
 
 def test_a_refusal_gives_the_reasons_of_all_branches():

@@ -1,7 +1,8 @@
 """What the lag of the heating does to temperatures of runs that did not settle.
 
-At a rate r, a wire or a sensor that is late by the time τ shifts temperatures by r τ: up on heating, down on cooling. A
-run at one rate cannot tell this from a wider hysteresis. Temperatures of the heating model contain its τ, which a wire
+At a rate r, a thermometer that is later than the wire by the time τ reads r τ too little on heating and too much on
+cooling: A_s and A_f fall, M_s and M_f rise. A wire that is later than its thermometer does the opposite. A run at one
+rate cannot tell this from a narrower or wider hysteresis. Temperatures of the heating model contain its τ, which a wire
 with latent heat or free convection does not keep: their intervals are widened by r τ, one draw for both directions.
 Of measured temperatures τ is not known, so the shift per second of lag is stated.
 """
@@ -43,8 +44,8 @@ def lag_note(branches: Sequence[FullBranch], lag_s: float | None, unit: str) -> 
     if lag_s is None:
         return (
             f"The temperature did not settle: it moved {at}. The intervals contain no lag between the wire and its "
-            f"thermometer; each second of lag raises A_s and A_f by {mean[HEATING]:.3g} K and lowers M_s and M_f by "
-            f"{mean[COOLING]:.3g} K."
+            f"thermometer; each second by which the thermometer is later lowers A_s and A_f by {mean[HEATING]:.3g} K "
+            f"and raises M_s and M_f by {mean[COOLING]:.3g} K, and each by which the wire is later does the opposite."
         )
     return (
         f"The temperature did not settle: it moved {at}. The intervals are widened by ± rate × τ of the heating: "
