@@ -8,6 +8,7 @@ import pytest
 from smarig.core.errors import DataError, UsageError
 from smarig.exchange import import_file
 from smarig.identification import identify, verify
+from smarig.measurement import input_records
 from smarig.preisach import Preisach
 from smarig.record import load_run
 from smarig.replay import simulate_runs
@@ -115,3 +116,20 @@ def test_a_quantity_without_unit_is_printed_without_one(part, tmp_path, capsys):
     text = printed.out + printed.err
     assert "without unit" in text
     assert not re.findall(r"\d 1\b|'1'", text)
+
+
+@pytest.mark.parametrize(("clock", "began"), [("goes on", 3.0), ("starts again", None)])
+def test_a_part_of_the_rows_of_a_file_states_when_the_clock_of_the_file_began(tmp_path, clock, began):
+    u, y = _record()
+    t = 3.0 + 0.5 * np.arange(u.size)
+    if clock == "starts again":
+        t[40:] -= t[40]
+    rows = "\n".join(f"{a!r},{b!r},{c!r}" for a, b, c in zip(t.tolist(), u.tolist(), y.tolist()))
+    (tmp_path / "whole.csv").write_text(f"t,u,y\n{rows}\n")
+    part = MAPPING.replace('steps = "rows"', "") + f'[rows]\nfirst = 61\nlast = {u.size}\n'
+    part = part.replace("[columns]", '[time]\ncolumn = "t"\nunit = "s"\n[columns]')
+    (tmp_path / "part.toml").write_text(part)
+    mapping, out = str(tmp_path / "part.toml"), tmp_path / "part.run.sqlite"
+    import_file(tmp_path / "whole.csv", format="csv", mapping=mapping, out=out, t0=100.0)
+    (record,) = input_records([load_run(out)])
+    assert record.began == (None if began is None else began + 100.0)

@@ -17,6 +17,7 @@ from smarig.exchange.runs.reader_result import RunDraft
 from smarig.exchange.runs.repair import Repair, repaired
 from smarig.exchange.runs.rig_constants import RigConstants
 from smarig.exchange.unchanged_file import unchanged
+from smarig.measurement import CONTINUES_AT
 from smarig.record import CONTINUED, ImportFinding, Run, load_run, write_run
 
 LARGEST_BYTES = 2 * 10**9
@@ -80,6 +81,9 @@ def import_file(
     meta = (
         described | draft.meta | {"warnings": list(draft.warnings)} | ({"findings": known} if known else {})
     )
+    if CONTINUES_AT in meta:
+        at = meta.pop(CONTINUES_AT)
+        meta["imported"] |= {CONTINUES_AT: {"began_s": at["began_s"] + (t0 or 0.0)}}
     if t0 is not None:
         meta["t0_s"] = t0
     if before is not None:

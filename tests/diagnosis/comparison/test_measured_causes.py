@@ -5,11 +5,12 @@ import pytest
 
 from benchmarks.boxes.relay_worlds import TRUTHS, relay_world
 from diagnosis.comparison.few_readings import ASIDE, WIRE, drive
-from diagnosis.measured.independent_wire import as_run, lagged
+from diagnosis.measured.independent_wire import as_run, lagged, triangles
 from smarig.diagnosis import diagnose
 from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured
 from smarig.diagnosis.comparison.weights_json import causes_json, hypotheses_json
 from smarig.identification import identify
+from smarig.measurement import CONTINUES_AT
 
 pytestmark = pytest.mark.usefixtures("few_readings")
 
@@ -86,6 +87,31 @@ def _compared_as_one(parts):
     parts[0].meta["imported"] = {"sha256": "a" * 64}
     parts[1].meta["imported"] = {"sha256": "b" * 64, "continues_sha256": "a" * 64}
     return compare_measured(parts[:1], parts[1:], without=ASIDE)
+
+
+def _ascending_loads(shift_K, drift_K):
+    """Four parts of one record, each at a larger load: the transformation shifts, or the thermometer drifts."""
+    u = triangles((90.0, 70.0, 62.0, 90.0), rows=[40, 25, 30, 20])
+    runs, hours = [], 4 * u.size / 3600
+    for k, stress in enumerate((50.0, 75.0, 100.0, 125.0)):
+        t = k * u.size + np.arange(u.size)
+        read = u + drift_K * t / 3600 / hours
+        run = as_run(f"load {k}", read, WIRE.strain(u - k * shift_K), dt=1.0, stress=stress, seed=k)
+        run.columns["t_s"] = t.astype(float)
+        run.meta["imported"] = {"sha256": "a" * 64, CONTINUES_AT: {"began_s": 0.0}}
+        runs.append(run)
+    return runs
+
+
+@pytest.mark.parametrize(
+    ("shift_K", "drift_K", "cause"), [(0.0, 6.0, "input_drift"), (2.0, 0.0, "stress_shift")]
+)
+def test_a_drift_over_a_record_of_ascending_loads_is_no_effect_of_the_load(shift_K, drift_K, cause):
+    """From load to load both look the same; the drift goes on within each load."""
+    runs = _ascending_loads(shift_K, drift_K)
+    found = compare_measured([*runs[:2], runs[3]], [runs[2]], without=tuple(set(ASIDE) - {"input_drift"}))
+    assert found.verdict.names == (cause,)
+    assert found.held_out[found.weights.heaviest.name] < 0.3 * found.held_out["nothing"]
 
 
 def test_an_offset_of_a_held_out_run_is_told_by_its_run():

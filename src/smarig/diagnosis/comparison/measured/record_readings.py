@@ -78,7 +78,7 @@ class RecordReadings:
     def variables(self, number: float, cycles: float) -> dict[str, Array]:
         """The plain variables at the readings, by name."""
         r, rows, turns, branch = self.record, self.rows, self.turns, self.branch
-        t = r.t - r.t[0]
+        t = r.elapsed
         rate = np.abs(np.diff(r.u[turns])) / np.maximum(np.diff(t[turns]), 1e-9)
         clock = np.maximum.accumulate(t + 1e-9 * np.arange(t.size))
         local = np.abs(np.gradient(smooth(r.u, 3.0), clock))

@@ -22,6 +22,7 @@ Mask = NDArray[np.bool_]
 Part = tuple[InputRecord, bool, Mask]  # of a record: whether it is held out, and the rows that may be read
 QUIET_SHARE = 0.003  # of the range: noise that makes no memory worth a name
 LONGEST_SHARE = 0.05  # of the rows, of the smoothing
+SAME_CONDITION = 0.02  # relative: means of one load over two parts differ by less
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +54,17 @@ def wire_records(
 
 
 def _goes_on(before: InputRecord, record: InputRecord) -> bool:
-    """Whether a record is the next part of one that was cut: its clock goes on without a pause."""
-    if not (before.clock and record.clock):
+    """Whether a record is the next part of one that was cut: its clock goes on without a pause, at one condition."""
+    if not (before.clock and record.clock) or not _under_one_condition(before, record):
         return False
     longest = max(float(np.diff(r.t).max()) for r in (before, record))
     return 0.0 < float(record.t[0] - before.t[-1]) <= longest
+
+
+def _under_one_condition(before: InputRecord, record: InputRecord) -> bool:
+    """Whether two records state the same conditions, with about equal values: a joined record has one of each."""
+    ours, theirs = before.conditions, record.conditions
+    return set(ours) == set(theirs) and all(np.isclose(ours[n], theirs[n], rtol=SAME_CONDITION) for n in ours)
 
 
 def _joined(parts: list[Part]) -> WireRecord:
