@@ -126,7 +126,7 @@ def test_a_part_of_the_rows_of_a_file_states_when_the_clock_of_the_file_began(tm
         t[40:] -= t[40]
     rows = "\n".join(f"{a!r},{b!r},{c!r}" for a, b, c in zip(t.tolist(), u.tolist(), y.tolist()))
     (tmp_path / "whole.csv").write_text(f"t,u,y\n{rows}\n")
-    part = MAPPING.replace('steps = "rows"', "") + f'[rows]\nfirst = 61\nlast = {u.size}\n'
+    part = MAPPING.replace('steps = "rows"', "") + f"[rows]\nfirst = 61\nlast = {u.size}\n"
     part = part.replace("[columns]", '[time]\ncolumn = "t"\nunit = "s"\n[columns]')
     (tmp_path / "part.toml").write_text(part)
     mapping, out = str(tmp_path / "part.toml"), tmp_path / "part.run.sqlite"

@@ -97,8 +97,10 @@ class HeldOutGain:
         return interval is not None and interval[0] <= 0.0
 
     def interval(self, seed: int = 0) -> tuple[float, float] | None:
-        """95 % interval of R by resampling the blocks with replacement; None of few blocks, which say little of it."""
-        if self.blocks < LEAST_BLOCKS:
+        """95 % interval of R by resampling the blocks with replacement; None of few blocks, which say little of it,
+        and without an extended model.
+        """
+        if self.blocks < LEAST_BLOCKS or np.array_equal(self.base_error, self.extended_error):
             return None
         names, rng = np.unique(self.block), np.random.default_rng([seed, 0xB10C])
         weight = np.ones(self.block.size) if self.weight is None else self.weight

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.boxes.relay_worlds import TRUTHS, relay_world
-from diagnosis.comparison.few_readings import ASIDE, WIRE, drive
+from diagnosis.comparison.few_readings import ASIDE, ROWS, WIRE, drive
 from diagnosis.measured.independent_wire import as_run, lagged, triangles
 from smarig.diagnosis import diagnose
 from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured
@@ -121,6 +121,20 @@ def test_an_offset_of_a_held_out_run_is_told_by_its_run():
     assert found.missing is None
     assert found.between_runs
     assert found.verdict.names == ("input_offset",) or found.verdict.depends_on == "run"
+
+
+def test_an_offset_is_told_of_runs_at_other_rates_whatever_little_the_first_run_holds():
+    """A lag would move both branches apart; a slight drift of the first run says nothing of the other's shift."""
+    slow, fast = drive(), drive([max(n // 3, 6) for n in ROWS])
+    parts = [("a", slow, 0.0, 3.0), ("b", fast, 5.0, 0.8)]
+    runs = [
+        as_run(n, u + o + 0.4 * np.arange(u.size) / u.size, WIRE.strain(u), dt=dt, seed=k)
+        for k, (n, u, o, dt) in enumerate(parts)
+    ]
+    found = compare_measured(runs[:1], runs[1:], without=tuple(set(ASIDE) - {"input_drift"}))
+    assert found.between_runs
+    assert found.verdict.names == ("input_offset",)
+    assert found.parameters["input_offset"]["b"][0] == pytest.approx(-5.0, abs=0.6)
 
 
 @pytest.mark.long("takes two seconds")

@@ -5,9 +5,7 @@ v = u + o_r,    o = 0 in the first run
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from smarig.measurement.input_record import InputRecord, rate_of
+from smarig.measurement.input_record import InputRecord
 from smarig.measurement.measurement_effect import (
     MeasurementEffectType,
     RecordChange,
@@ -16,7 +14,6 @@ from smarig.measurement.measurement_effect import (
 )
 
 SAME_CONDITION = 0.1  # of the larger value
-SAME_RATE = 3.0  # ratio of two rates
 TRIED_SHARES = (-0.3, -0.2, -0.12, -0.07, -0.03, 0.0, 0.03, 0.07, 0.12, 0.2, 0.3)  # of the input's range
 
 
@@ -30,11 +27,9 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
 
 
 def _differ(a: InputRecord, b: InputRecord) -> bool:
-    """Whether two runs were recorded under other conditions, or at other rates: these would be the cause."""
+    """Whether two runs were recorded under other conditions: these would be the cause."""
     p, q = a.conditions, b.conditions
-    if any(abs(p[k] - q[k]) > SAME_CONDITION * max(abs(p[k]), abs(q[k])) for k in p.keys() & q.keys()):
-        return True
-    return a.clock and b.clock and abs(np.log(rate_of(a) / rate_of(b))) > np.log(SAME_RATE)
+    return any(abs(p[k] - q[k]) > SAME_CONDITION * max(abs(p[k]), abs(q[k])) for k in p.keys() & q.keys())
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:

@@ -38,6 +38,7 @@ OFFSET = "input_offset"
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
 OF_EACH_RUN = (OFFSET, "run")  # of a held-out run they say nothing
 BETWEEN_RUNS = (OFFSET, "stress_shift", "run", "stress")
+OF_RATES = ("input_lag", "rate")  # runs at other rates differ by these, too
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def compare_measured(
     verdict = decide(evidence)
     deciding = weights
     if held and verdict.word in ("silent", "unknown"):
-        verdict, deciding = _with_held_out_runs(wires, verdict, weights, base, missing, without, seed)
+        verdict, deciding = _with_held_out_runs(wires, verdict, held, weights, base, missing, without, seed)
     best = fitted(weights.heaviest)
     scale = abs(problem.scale)
     return MeasuredComparison(
@@ -171,6 +172,7 @@ def _evidence(
     problem: ReadingProblem, base: KeptAddition, weights: Weights, held: Mapping[str, float]
 ) -> VerdictEvidence:
     sizes, ratios = {}, {}
+    off = bool(held) and _held_out_is_off(base)
     for part in weights.causes:
         best = weights.best_with(part)
         shown = [best]  # a variable beside an effect describes what that leaves, an effect may stand alone
@@ -199,10 +201,16 @@ def _evidence(
         blocks=problem.independent,
         confounded=confounded(problem, weights.causes),
         held_out=ratios,
+        not_borne_out=frozenset(p for p, ratio in ratios.items() if off and _leaves_more(ratio)),
         acts_through={p: _acts_through(p) for p in weights.causes},
         testable=len(weights.hypotheses) > 1,
     )
     return with_effects_alone(evidence, weights)
+
+
+def _leaves_more(ratio: float) -> bool:
+    """Whether what has this ratio of errors with it and without removes less than it leaves."""
+    return 1.0 - ratio**2 < (RULES["beside_rest"].value * ratio) ** 2
 
 
 def _acts_through(part: Part) -> tuple[Part, ...]:
@@ -239,24 +247,35 @@ def _parameters(weights: Weights) -> dict[str, dict[str, tuple[float, float, flo
 def _with_held_out_runs(
     wires: Sequence[WireRecord],
     verdict: Verdict,
+    held: Mapping[str, float],
     own: Weights,
     base: KeptAddition,
     missing: float,
     without: Sequence[str],
     seed: int,
 ) -> tuple[Verdict, Weights]:
-    """The verdict with the held-out runs as blocks, if the plain model predicts them worse than its own blocks."""
+    """The verdict with the held-out runs as blocks, if the plain model predicts them worse than its own blocks.
+
+    It takes the place of a verdict of the training runs that says nothing, or that leaves more of the held-out runs'
+    error than this removes.
+    """
     runs = [w.held_out.all() for w in wires]
     if not any(runs) or not _held_out_is_off(base) or missing >= RULES["not_determined"].value:
         return verdict, own
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     basis, plain = first_basis(problem, BASE_STEPS)
     weights = _weighed(
-        problem, searched_hypotheses(basis, plain.trial(), lambda _: None, BETWEEN_RUNS, without), seed
+        problem,
+        searched_hypotheses(basis, plain.trial(), lambda _: None, (*BETWEEN_RUNS, *OF_RATES), without),
+        seed,
     )
     found = decide(_evidence(problem, plain.kept(), weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
-    return (found, weights) if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else (verdict, own)
+    of_held_out = np.isin(problem.record, np.flatnonzero(runs))
+    left = root_mean_square(fitted(weights.heaviest).error[of_held_out])
+    own_error = held.get(own.heaviest.name, held["nothing"])
+    keeps = verdict.depends_on not in (None, *BETWEEN_RUNS) and _leaves_more(left / own_error)
+    return (found, weights) if clearer and not keeps else (verdict, own)
 
 
 def _held_out_is_off(base: KeptAddition) -> bool:

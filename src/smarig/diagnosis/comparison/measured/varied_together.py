@@ -19,7 +19,7 @@ from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 from smarig.measurement import ONE_RATE, measurement_effect_types
 
 OVER_CYCLES, RATES = ("time", "cycle"), ("rate", "speed")
-OFFSET = Part("effect", "input_offset")
+OFFSET, LAG = Part("effect", "input_offset"), Part("effect", "input_lag")
 FEWEST_EXCURSIONS = 4  # fewer are in the order of time by chance
 WITHIN = 0.1  # of a variable's variance: less of it lies within the runs
 
@@ -54,7 +54,7 @@ def confounded(problem: ReadingProblem, parts: Iterable[Part]) -> dict[Part, tup
     fixed, parts = between_runs(problem), tuple(parts)
     within = [p for p in parts if _steps_with(p) in fixed]
     effects = [p for p in within if p.kind == "effect"]
-    found = {p: tuple(q for q in effects if q != p) for p in within if len(effects) > 1}
+    found = {p: rest for p in within if (rest := tuple(q for q in effects if _unparted(p, q)))}
     others = tuple(p for p in effects if p != OFFSET)
     if others and _two_conditions(problem):
         found |= {p: (*found.get(p, ()), OFFSET) for p in others} | {OFFSET: others}
@@ -64,6 +64,11 @@ def confounded(problem: ReadingProblem, parts: Iterable[Part]) -> dict[Part, tup
     for some, rest in ((over_time, with_rate), (with_rate, over_time)):
         found |= {p: (*found.get(p, ()), *rest) for p in some if rest}
     return found
+
+
+def _unparted(part: Part, other: Part) -> bool:
+    """Whether two parts that step between runs cannot be parted; a lag moves both branches apart, an offset alike."""
+    return part != other and {part, other} != {OFFSET, LAG}
 
 
 def _two_conditions(problem: ReadingProblem) -> bool:
