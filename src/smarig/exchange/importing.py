@@ -4,7 +4,7 @@ at all.
 
 import hashlib
 import platform
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -81,9 +81,8 @@ def import_file(
     meta = (
         described | draft.meta | {"warnings": list(draft.warnings)} | ({"findings": known} if known else {})
     )
-    if CONTINUES_AT in meta:
-        at = meta.pop(CONTINUES_AT)
-        meta["imported"] |= {CONTINUES_AT: {"began_s": at["began_s"] + (t0 or 0.0)}}
+    if draft.began_s is not None:
+        meta["imported"] = described["imported"] | {CONTINUES_AT: {"began_s": draft.began_s}}
     if t0 is not None:
         meta["t0_s"] = t0
     if before is not None:
@@ -100,7 +99,8 @@ def _shifted(draft: RunDraft, source: Path, t0: float) -> RunDraft:
         raise UsageError(f"{source} has no time, so --t0 has no meaning. Leave it out.")
     columns = {**draft.columns, "t_s": draft.columns["t_s"] + t0}
     steps = tuple((*s[:5], s[5] + t0, s[6] + t0, *s[7:]) for s in draft.steps)
-    return RunDraft(columns, draft.meta, steps, draft.findings)
+    began_s = None if draft.began_s is None else draft.began_s + t0
+    return replace(draft, columns=columns, steps=steps, began_s=began_s)
 
 
 def _continued(meta: dict[str, Any], source: Path, before: Run) -> dict[str, Any]:

@@ -40,7 +40,6 @@ from smarig.exchange.tables.table_file import read_table
 from smarig.exchange.tables.text_table import Table, TableLayout
 from smarig.exchange.units.unit_conversion import convert
 from smarig.exchange.units.units import spelled
-from smarig.measurement import CONTINUES_AT
 from smarig.record import OWN_ZERO, ImportFinding, remarks
 
 
@@ -104,20 +103,20 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     if table.loop is not None:
         columns["step"] = table.loop.astype(float)
     steps = _reading_steps(columns, branch) if mapping.steps == "rows" else []
-    meta = _meta(mapping, columns, conditions, table) | began
-    return RunDraft(columns, meta, tuple(steps), tuple(findings))
+    meta = _meta(mapping, columns, conditions, table)
+    return RunDraft(columns, meta, tuple(steps), tuple(findings), began)
 
 
-def _began(table: Table, mapping: MappingFile) -> dict[str, Any]:
+def _began(table: Table, mapping: MappingFile) -> float | None:
     """When the record of a part began, on the clock of its table, if that goes on over the rows before the part."""
     rows, time = mapping.rows, mapping.time
     if rows is None or time is None or time.restarts == "join" or time.fraction or time.period_s is not None:
-        return {}
+        return None
     t = unwrapped(table.columns[time.column])[: rows.first]
     t = t[np.isfinite(t)]
     if t.size < 2 or np.any(np.diff(t) < 0):
-        return {}
-    return {CONTINUES_AT: {"began_s": float(convert(t[:1], time.unit, "s")[0])}}
+        return None
+    return float(convert(t[:1], time.unit, "s")[0])
 
 
 def _part(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[ImportFinding]]:

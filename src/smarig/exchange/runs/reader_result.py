@@ -15,12 +15,14 @@ from smarig.record import ImportFinding
 @dataclass(frozen=True)
 class RunDraft:
     """A run to be written: ``columns`` (n,) each under names of SAMPLE_COLUMNS, NaN where unknown;
-    ``steps`` in STEP_COLUMNS order; ``findings`` on the file."""
+    ``steps`` in STEP_COLUMNS order; ``findings`` on the file. ``began_s``: when the record began of which it is a part.
+    """
 
     columns: dict[str, Array]
     meta: dict[str, Any]
     steps: tuple[tuple, ...] = ()
     findings: tuple[ImportFinding, ...] = ()
+    began_s: float | None = None
 
     def __len__(self) -> int:
         return next(iter(self.columns.values())).size
