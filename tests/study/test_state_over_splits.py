@@ -45,6 +45,17 @@ def test_a_drift_goes_on_in_the_held_out_part(tmp_path, saturating, start):
     assert result.verdict == "good"
 
 
+def test_a_jump_of_the_first_part_stays_in_the_held_out_part(tmp_path):
+    """The bench was touched half way through the first part: the rest of the record is shifted throughout."""
+    t, u, y = clamped(shift=0.0)
+    file = written(tmp_path, (t, u, y + 0.5 * (t > 0.3 * t[-1])))
+    result = study([file], tmp_path / "out", StudyOptions())
+    assert result.diagnosis is not None
+    assert result.diagnosis.verdict.names == ("output_jump",)
+    assert result.evaluation is not None
+    assert result.evaluation.best.rms < 2.5 * SIGMA
+
+
 def test_the_part_that_goes_on_states_when_the_record_began_and_its_cycles(tmp_path):
     file = written(tmp_path, clamped(), start=100.0)
     result = study([file], tmp_path / "out", StudyOptions(diagnose=False))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from smarig.measurement.condition_table import condition_groups as condition_groups
     from smarig.measurement.input_record import CONTINUES_AT as CONTINUES_AT
     from smarig.measurement.input_record import ONE_RATE as ONE_RATE
+    from smarig.measurement.input_record import PART_OF as PART_OF
     from smarig.measurement.input_record import InputRecord as InputRecord
     from smarig.measurement.input_record import cycles_before as cycles_before
     from smarig.measurement.input_record import dropouts as dropouts

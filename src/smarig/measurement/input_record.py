@@ -15,6 +15,7 @@ from smarig.record import Run, continues_run
 
 Integers = NDArray[np.int64]
 CONTINUES_AT = "continues_at"  # of a part of an imported run: when that began, and its cycles so far
+PART_OF = "part_of"  # of an imported run: the name of the record that was cut
 ONE_RATE = 1.5  # ratio of two rates: less is one rate
 REVERSAL_MARGIN = 1.2  # times the range that noise of this size has over all rows
 DROPOUT_STEPS = 3.0  # times the usual step from row to row
@@ -39,11 +40,11 @@ class InputRecord:
     ``t`` is the time in s, or the row number without a clock. ``cycle`` is the number of cycles of the input before
     each row, continued over the runs of one list; ``travel`` is that of the input before this record. ``conditions``
     are the mean values recorded with the run, by name. ``began`` is the time at which the record began, or the one that
-    it continues. ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0
-    there, far from the rows around them. ``continues``: the record starts in the final state of the one before it in
-    its list. ``noise`` is the standard deviation of the input's noise, None if it must be estimated; ``rounding`` is
-    that of the output's rounding. ``readings`` are the rows whose outputs are readings, None if all are. ``histories``
-    (n,) are conditions that change over the record.
+    it continues; ``whole`` is the name of that one. ``row`` are the rows of the run. ``dropouts`` rows were left out
+    because the input reads exactly 0 there, far from the rows around them. ``continues``: the record starts in the
+    final state of the one before it in its list. ``noise`` is the standard deviation of the input's noise, None if it
+    must be estimated; ``rounding`` is that of the output's rounding. ``readings`` are the rows whose outputs are
+    readings, None if all are. ``histories`` (n,) are conditions that change over the record.
     """
 
     name: str
@@ -62,6 +63,7 @@ class InputRecord:
     rounding: float = 0.0
     readings: Integers | None = None
     began: float | None = None
+    whole: str = ""
     histories: Mapping[str, Array] = field(default_factory=dict)
     travel: Travel = NO_TRAVEL
 
@@ -118,12 +120,19 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
                 input_unit=run.input_unit,
                 continues=continues,
                 began=began,
+                whole=found[-1].whole if continues and found else _whole(run),
                 rounding=rounding_sd(run),
                 travel=before_it,
             )
         )
         before = run
     return found
+
+
+def _whole(run: Run) -> str:
+    """The name of the record of which a run is a part; its own if it is none."""
+    stated = (run.meta.get("imported") or {}).get(PART_OF)
+    return stated if isinstance(stated, str) else run.name
 
 
 def _earlier(run: Run, before: InputRecord | None, *, clock: bool) -> tuple[float | None, float]:

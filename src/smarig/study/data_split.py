@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import UsageError
-from smarig.measurement import CONTINUES_AT, cycles_before, dropouts, full_cycles_before
+from smarig.measurement import CONTINUES_AT, PART_OF, cycles_before, dropouts, full_cycles_before
 from smarig.record import CONTINUED, FORC_PROTOCOL, Run, load_run, write_run
 from smarig.replay import recorded_conditions
 from smarig.study.imported_runs import ImportedTable
@@ -202,7 +202,7 @@ def _part(run: Run, rows: np.ndarray, folder: Path, title: str, *, after: bool =
     path = folder / "runs" / f"{run.path.name.removesuffix('.run.sqlite')}_{title}.run.sqlite"
     imported = dict(run.meta.get("imported") or {})
     whole = str(imported.get("sha256", ""))
-    imported["sha256"] = _hash(whole, title)
+    imported |= {"sha256": _hash(whole, title), PART_OF: run.name}
     meta = {key: value for key, value in run.meta.items() if key not in ("schema_version", "end", "hashes")}
     meta["notes"] = f"Part '{title}' of {run.path.name}. {meta.get('notes', '')}".strip()
     if after:

@@ -1,6 +1,6 @@
 """The output of one run jumps once and stays: a clamp that slips, a gauge that comes loose, lost counts.
 
-y ← y + b for t ≥ t₁ in the run
+y ← y + b for t ≥ t₁ in the run, and in all parts of a record that was cut
 """
 
 from collections.abc import Sequence
@@ -25,11 +25,13 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
     if not longest.clock or float(longest.cycle[-1] - longest.cycle[0]) < FEWEST_CYCLES:
         return None
     hours = float(np.ptp(longest.t)) / 3600
-    return (SearchedParameter(longest.name, "h", tuple((hours * TIMES).tolist()), sudden=True),)
+    return (
+        SearchedParameter(longest.whole or longest.name, "h", tuple((hours * TIMES).tolist()), sudden=True),
+    )
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
-    after = record.elapsed / 3600 >= p.get(record.name, np.inf)
+    after = record.elapsed / 3600 >= p.get(record.whole or record.name, np.inf)
     return RecordChange(record.u, after.astype(float)[:, None])
 
 
