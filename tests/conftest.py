@@ -149,6 +149,34 @@ def _shared_by_workers(tmp_path_factory):
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _pages_without_drawings():
+    """A drawing takes a third of the time of a page that most tests read for its words, or not at all.
+
+    Nothing is imported for it: who draws first imports Matplotlib.
+    """
+    with _drawn_by(lambda panel, label="", width_px=0: "<svg></svg>"):
+        yield
+
+
+@pytest.fixture(scope="module")
+def drawings():
+    """Figures are drawn in the tests of this module."""
+    with _drawn_by(import_module("smarig.report.drawing.drawing").svg_of):
+        yield
+
+
+@contextlib.contextmanager
+def _drawn_by(svg_of):
+    names = vars(import_module("smarig.report.drawing"))
+    before = names.get("svg_of")
+    names["svg_of"] = svg_of
+    yield
+    names.pop("svg_of")
+    if before is not None:
+        names["svg_of"] = before
+
+
 @pytest.fixture(scope="session")
 def characterised(tmp_path_factory, _shared_by_workers):
     """The one-wire twin, characterised once in the session; imported here, for few tests need it."""
