@@ -12,6 +12,7 @@ from smarig.study.heat_flow_header import exothermic_direction
 from smarig.study.understanding import understand
 from transformation.known_peaks import KnownPeak
 
+pytestmark = pytest.mark.usefixtures("drawings")
 RATE_K_PER_MIN = 10.0
 HEATING = KnownPeak(middle=55.0, before=4.0, after=4.0, height=0.6, slope=2e-4)
 COOLING = KnownPeak(middle=25.0, before=5.0, after=5.0, height=0.5)
