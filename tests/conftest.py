@@ -53,15 +53,49 @@ LONGEST = (
 def pytest_collection_modifyitems(items):
     """The longest first: else one worker is still at them when the others have nothing left to do.
 
-    What is marked ``long`` runs with ``SMARIG_LONG=1``, as in ``.ci/long``.
+    What is marked ``long`` runs with ``SMARIG_LONG=1``, as in ``.ci/long``. Of a matrix that is marked with
+    ``one_of_each``, the cases that run without it have each value of each parameter.
     """
+    places = _places_in_matrices(items)
     for item in items if not LONG else ():
         for mark in item.iter_markers("long"):
-            if "cases" not in mark.kwargs or item.callspec.id in mark.kwargs["cases"]:
+            if mark.kwargs.get("one_of_each"):
+                takes_long = not _on_diagonal(*places[item])
+            else:
+                takes_long = "cases" not in mark.kwargs or item.callspec.id in mark.kwargs["cases"]
+            if takes_long:
                 why = mark.args[0] if mark.args else "takes long"
                 item.add_marker(pytest.mark.skip(reason=f"{why}: SMARIG_LONG=1"))
                 break
     items.sort(key=lambda item: item.path.stem not in LONGEST)
+
+
+def _places_in_matrices(items):
+    """By test: the place of its value in each of its lists of parameters, and the lengths of these lists."""
+    values = {}  # of each list of a function, with their places
+    places = {}
+    for item in items:
+        if any(mark.kwargs.get("one_of_each") for mark in item.iter_markers("long")):
+            keys = [_key(item, mark.args[0]) for mark in item.iter_markers("parametrize")]
+            lists = values.setdefault((item.parent, item.originalname), [{} for _ in keys])
+            places[item] = [of_list.setdefault(key, len(of_list)) for of_list, key in zip(lists, keys)], lists
+    return {item: (of_item, [len(of_list) for of_list in lists]) for item, (of_item, lists) in places.items()}
+
+
+def _key(item, names):
+    names = names.split(",") if isinstance(names, str) else names
+    return tuple(id(item.callspec.params[name.strip()]) for name in names)
+
+
+def _on_diagonal(places, sizes):
+    """Whether a case is one of as many as the longest list has values, in which each value of each list occurs.
+
+    Lists with as many values do not go through them together when they begin again.
+    """
+    lists = [(place, size, size**n) for n, (place, size) in enumerate(zip(places, sizes), 1)]
+    return any(
+        all(place == (k + k // later) % size for place, size, later in lists) for k in range(max(sizes))
+    )
 
 
 MEMORY = ReturnedMemory()
@@ -113,6 +147,34 @@ def _shared_by_workers(tmp_path_factory):
             module, "_computed", import_module("shared_previews").SharedPreviews(shared / "previews")
         )
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _pages_without_drawings():
+    """A drawing takes a third of the time of a page that most tests read for its words, or not at all.
+
+    Nothing is imported for it: who draws first imports Matplotlib.
+    """
+    with _drawn_by(lambda panel, label="", width_px=0: "<svg></svg>"):
+        yield
+
+
+@pytest.fixture(scope="module")
+def drawings():
+    """Figures are drawn in the tests of this module."""
+    with _drawn_by(import_module("smarig.report.drawing.drawing").svg_of):
+        yield
+
+
+@contextlib.contextmanager
+def _drawn_by(svg_of):
+    names = vars(import_module("smarig.report.drawing"))
+    before = names.get("svg_of")
+    names["svg_of"] = svg_of
+    yield
+    names.pop("svg_of")
+    if before is not None:
+        names["svg_of"] = before
 
 
 @pytest.fixture(scope="session")

@@ -15,6 +15,7 @@ from docs.blocks import Command
 from smarig.cli import run as cli
 from smarig.plant import effects_from_arguments
 
+pytestmark = pytest.mark.usefixtures("drawings")
 ROOT = Path(__file__).resolve().parents[1]
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.S)
 

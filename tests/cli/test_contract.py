@@ -76,13 +76,32 @@ def test_run_json_is_one_object(capsys, tmp_path):
     assert json.loads(out)["runs"][0]["cause"] == "done"
 
 
+SHORT = """
+name = "short"
+summary = "As quick_look, with fewer points."
+[[step]]
+protocol = "initialise"
+purpose = "prepare"
+[[step]]
+protocol = "step_currents"
+purpose = "test"
+set = { currents_A = [0.3, 0.5] }
+[[step]]
+protocol = "validation"
+purpose = "test"
+set = { points = 2 }
+"""
+
+
 def test_a_campaign_makes_a_folder_of_runs_on_one_clock(capsys, tmp_path):
     import smarig
 
-    status, *_ = call(capsys, "run", "quick_look", "--rig", "one_wire_twin", "-o", tmp_path / "q", "--quiet")
+    short = tmp_path / "short.toml"
+    short.write_text(SHORT)
+    status, *_ = call(capsys, "run", short, "--rig", "one_wire_twin", "-o", tmp_path / "q", "--quiet")
     runs = [smarig.load_run(p) for p in sorted((tmp_path / "q").iterdir())]
     assert status == 0
-    assert len(runs) == 3
+    assert [run.meta["protocol"] for run in runs] == ["initialise", "step_currents", "validation"]
     assert all(a["tick"][-1] + 1 == b["tick"][0] for a, b in zip(runs, runs[1:], strict=False))
 
 

@@ -235,7 +235,8 @@ def test_selections_that_are_no_condition(capsys, tmp_path, select):
 
 def test_a_tampered_model_is_a_data_error(capsys, tmp_path):
     fod, model = tmp_path / "f.run.sqlite", tmp_path / "m.json"
-    call(capsys, "run", "first_order_descending", "--rig", "one_wire_twin", "-o", fod)
+    words = ("--set", "partition_K=0,40,80,120,170", "-o", fod)
+    call(capsys, "run", "first_order_descending", "--rig", "one_wire_twin", *words)
     call(capsys, "identify", fod, "--surface", "exponential", "-o", model)
     good = json.loads(model.read_text(encoding="utf-8"))
     for key, wrong in (("x4", 0), ("x5", -1e308)):

@@ -52,6 +52,7 @@ def anywhere(rig, seed):
     return np.repeat(rng.uniform(limits.current_min_A, limits.current_max_A, 4), rng.integers(20, 120, 4))
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize(("share", "within"), [(0.12, 0.01), (0.4, 0.01), (0.75, 0.004)])
 def test_the_twin_comes_as_near_as_predicted_from_wherever_it_was(rig, share, within):

@@ -72,6 +72,7 @@ def test_the_energy_stored_at_the_start_is_all_that_is_added(model, controller, 
     assert np.all(norms(loop.error) <= loop.sharp_bound * (1 + 1e-9) + 1e-9)
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("lag_s", [0.0, 5.3])
 @pytest.mark.parametrize("name", ["one_c", "one_e", "two_c", "two_e"])
 @pytest.mark.parametrize("controller", [constant_gain(3000.0), leaky_pi(1000.0, 300.0, 0.1)])

@@ -14,7 +14,7 @@ from smarig.replay import build_timeline, predict
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     """A timeline of a session, its plant model, and the prediction."""
-    runs = session_runs(tmp_path_factory.mktemp("traces"), LISTED, LONG)
+    runs = session_runs(tmp_path_factory.mktemp("traces"), LONG, LISTED)
     plant_model, _ = twin_plant_model()
     timeline = build_timeline(runs, plant_model.actuator.tau_s)
     return timeline, plant_model, predict(timeline, plant_model)

@@ -116,6 +116,7 @@ LONG = (  # pages whose commands take long; test_printed_commands.py tries them 
     *("self_sensing", "several_loads", "study_files", "hidden_effect", "close_a_loop", "identify_fast"),
     *("laboratory_supply", "export_for_other_programs", "forc_diagrams", "control_findings"),
     *("transformation_temperatures", "figures_for_papers", "first_wire"),
+    *("run_overnight", "thermomechanical", "beamline"),
 )
 TIMED = (
     "labjack",

@@ -32,6 +32,7 @@ def found(tmp_path, rows, delimiter):
     return table
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("delimiter", ["\t", ";"])
 @pytest.mark.parametrize("order", list(permutations(["channel", "rate", "serial"])))
 def test_units_below_the_names(tmp_path, order, delimiter):
@@ -41,6 +42,7 @@ def test_units_below_the_names(tmp_path, order, delimiter):
     assert "SN 2231" in table.columns[3].comment
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("delimiter", ["\t", ";"])
 @pytest.mark.parametrize("order", list(permutations(["channel", "rate", "serial"])))
 def test_units_below_the_descriptions_or_in_brackets(tmp_path, order, delimiter):

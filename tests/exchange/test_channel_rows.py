@@ -41,6 +41,7 @@ def imported(path):
     return guess, load_run(report.run), [finding.text for finding in report.findings]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("sign", [",", ";", "\t"])
 @pytest.mark.parametrize("channels", [("101", "102"), ("101", "102", "103")])
 @pytest.mark.parametrize("end", ["\n", ""])

@@ -66,6 +66,7 @@ def check(run, every_ms):
     np.testing.assert_allclose(run["position"][both], stroke(t_ms), atol=1e-4)
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("periods", [(200, 50), (50, 50), (50, 500)])
 @pytest.mark.parametrize(("key", "factor"), [("SampleTime[ms]", 1), ("Sample Time [s]", 1e-3)])
 def test_keys_above_each_pair_name_it(write, periods, key, factor):
@@ -80,6 +81,7 @@ def test_the_unit_of_a_clock_that_no_period_states_stays_open(write):
     assert find_tables(write(scope((50, 50), key="Cycle")))[0].names[0] == "time"
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("sign", [",", ";", "\t"])
 @pytest.mark.parametrize(
     "names", [("Time [ms]", "Time [ms]"), ("Time_T [ms]", "Time_s [ms]"), ("t1 [ms]", "t2 [ms]")]

@@ -29,6 +29,7 @@ def unnamed(levels):
     return [["", *level[1:]] for level in levels]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("sign", [",", ";", "\t"])
 @pytest.mark.parametrize("clock", [stamp, lambda k: f"{2.0 * k:.1f}"], ids=["stamp", "seconds"])
 @pytest.mark.parametrize(

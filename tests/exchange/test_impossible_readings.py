@@ -40,6 +40,7 @@ def codes(values, count, code):
     return out
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("code", [2047.75, -1999.0, 9999.0, 1e12])
 @pytest.mark.parametrize("count", [1, 5, 12])
 def test_a_few_are_masked(write, imported, code, count):
@@ -92,6 +93,7 @@ def strains(code, rows, gaps=()):
     return out
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("code", [-7999.0, 6999.0, -32768.0, 1e9])
 @pytest.mark.parametrize("rows", [(33, 140), (50, 120, 121 + 80, 390)])
 @pytest.mark.parametrize("gaps", [(), (32, 34, 77)])

@@ -100,6 +100,7 @@ def test_one_sweep_without_names_has_no_output_and_says_so(tmp_path):
         study([path], tmp_path / "out", StudyOptions(accept=True))
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("end", ["\r", "\n", "\r\n"])
 @pytest.mark.parametrize(("name", "unit"), [("signal", "mOhm"), ("'R (wire)'", "mohm"), ("w2", "mm")])
 def test_igor_text_states_units_in_its_commands(tmp_path, end, name, unit):

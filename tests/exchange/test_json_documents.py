@@ -34,6 +34,7 @@ def written(tmp_path, document, indent=None):
     return path
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("indent", [None, 1])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_table_is_found_by_its_shape(tmp_path, shape, indent):

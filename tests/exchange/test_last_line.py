@@ -37,6 +37,7 @@ def lines(sign, clock):
     return [sign.join(("time [s]" if clock is CLOCKS["seconds"] else "time", "T [degC]", "x [mm]")), *rows]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("sign", [";", "\t"])
 @pytest.mark.parametrize("blank", [0, 1])
 @pytest.mark.parametrize("footer", FOOTERS)

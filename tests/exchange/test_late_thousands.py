@@ -21,6 +21,7 @@ def written(first, decimal, sign, delimiter, decimals=1, quote=""):
     return "\n".join(delimiter.join(f"{quote}{cell}{quote}" for cell in row) for row in rows) + "\n"
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("first", [0, 340, 990])
 @pytest.mark.parametrize(
     ("decimal", "sign", "delimiter", "quote"),

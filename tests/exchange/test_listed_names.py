@@ -22,6 +22,7 @@ def written(
     return path
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("line", ["Sig{k}\t{name}", "Column {k}: {name}", "# {k} = {name}", "CH{k} {name}"])
 @pytest.mark.parametrize("first", [0, 1])
 @pytest.mark.parametrize("number", [3, 4])
@@ -66,6 +67,7 @@ STEPS = [
 ]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("step", ["OrgMethod\t{k}: {text}", "{k}: {text}", "{k}) {text}"])
 @pytest.mark.parametrize("delimiter", ["\t", "  "])
 def test_steps_of_a_method_are_no_names(tmp_path, step, delimiter):

@@ -25,6 +25,7 @@ def found(tmp_path, lines, name="a.dat"):
     return table
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize(
     ("units", "known"),
     [

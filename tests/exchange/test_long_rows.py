@@ -63,6 +63,7 @@ def check(path, every=(1, 1)):
     return findings
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("blocks", [True, False])
 @pytest.mark.parametrize(("every", "shift"), [((1, 1), 0.0), ((1, 1), 0.3), ((1, 4), 0.3), ((5, 1), -0.2)])
 def test_variables_of_any_rates_are_joined_on_time(write, blocks, every, shift):

@@ -40,6 +40,7 @@ def written(tmp_path, data, suffix=".txt"):
     return path
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("suffix", [".txt", ".xlsx"])
 @pytest.mark.parametrize(("rows", "mark"), [([0, 50, 200, 310], -2.0), ([40, 41, 250], None)])
 def test_rows_without_a_reading_are_left_out_counted_and_split_no_load(tmp_path, rows, mark, suffix):

@@ -30,6 +30,7 @@ def text(mark, delimiter=",", header="time_s,T_degC,x_mm"):
     return "\n".join([header.replace(",", delimiter), *map(delimiter.join, cells)]) + "\n"
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("mark", MARKS)
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
 def test_a_mark_is_a_missing_reading(write, mark, delimiter):

@@ -46,6 +46,7 @@ def imported(path):
     return load_run(report.run), [finding.text for finding in report.findings]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("mark", [*WORDS, *NUMBERS])
 @pytest.mark.parametrize("rows", [(0,), (70,), (40, 41, 100)])
 def test_a_mark_is_masked_and_counted(write, mark, rows):

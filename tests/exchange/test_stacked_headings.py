@@ -47,6 +47,7 @@ def table_of(path):
     return table.names[:4], [column.unit for column in table.columns[:4]]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("before", [[], [TITLE], [TITLE, ["Probe", "Draht 7"]]])
 @pytest.mark.parametrize("remark", ["", "Taster hing kurz"])
 def test_two_rows_combine(saved, before, remark):

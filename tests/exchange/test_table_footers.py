@@ -37,6 +37,7 @@ def check(path, said):
     assert any(said in text for text in findings), findings
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("footer", FOOTERS.values(), ids=FOOTERS)
 @pytest.mark.parametrize("blank", [True, False])
 @pytest.mark.parametrize("sign", [";", "\t"])
@@ -47,6 +48,7 @@ def test_statistics_end_a_text_table(write, footer, blank, sign):
 
 
 @pytest.mark.skipif(lacks("files"), reason="needs extra 'files'")
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("footer", FOOTERS.values(), ids=FOOTERS)
 @pytest.mark.parametrize("blank", [True, False])
 def test_statistics_end_a_sheet(tmp_path, footer, blank):

@@ -41,6 +41,7 @@ def imported(path):
     return table, guess, load_run(report.run), [finding.text for finding in report.findings]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("before", [(), ("Panel: SMA", "Load;120 N")])
 @pytest.mark.parametrize(("sign", "comma"), [(",", False), (";", False), (";", True), ("\t", True)])
 def test_mixed_lengths_become_one_column(write, sign, comma, before):

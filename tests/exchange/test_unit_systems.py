@@ -26,6 +26,7 @@ def instrument(statement, names=("Field", "Moment"), title="Hysteresis loop"):
     return "\n".join([*head, *rows, "", "Data File ends"]) + "\n"
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("names", [("Field", "Moment"), ("Applied field", "Adjusted moment")])
 @pytest.mark.parametrize("line", LINES)
 @pytest.mark.parametrize("system", SYSTEMS)

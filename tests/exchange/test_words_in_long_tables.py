@@ -45,6 +45,7 @@ def imported(path):
     return load_run(report.run), [finding.text for finding in report.findings]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("apart", [0, 1])
 @pytest.mark.parametrize(("text", "header"), [(csv_of, 1), (json_of, 0)])
 @pytest.mark.parametrize(

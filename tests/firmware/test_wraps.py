@@ -56,6 +56,7 @@ class Framed:
 # --- a day of frames, said again ---
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize(("wrap", "exchanges"), DAYS)
 @pytest.mark.parametrize("language", ["C", "Python"])
 def test_no_frame_of_a_day_is_new_again(begun, language, wrap, exchanges):
@@ -122,6 +123,7 @@ def names(tick):
     return tick % 1000
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("first", AROUND)
 @pytest.mark.parametrize("name", ["amplifier", "encoder_daq"])
 @pytest.mark.parametrize("language", ["Python", "C"])

@@ -43,6 +43,7 @@ def play(u, width=8.0):
     return np.array(followed)
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("gap", [0.0, 0.001, 0.02, 0.3, 3.0])
 @pytest.mark.parametrize("path", [lambda u: u, play], ids=["function", "play"])
 def test_minima_that_differ_leave_the_fit_at_the_noise(gap, path):

@@ -67,6 +67,7 @@ def test_noise_of_dense_curves_is_read_off_third_differences():
     assert noise == pytest.approx(reading_sd("two"), rel=0.1)
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("seed", [None, 0, 1, 2, 3])
 @pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_a_fully_exercised_range_raises_no_warning_of_it(name, seed):

@@ -75,6 +75,7 @@ def _branches(shift, states=30, noise=0.01, seed=0):
     ]
 
 
+@pytest.mark.long("takes a second each", cases=("3", "4", "6"))
 @pytest.mark.parametrize("visits", [2, 3, 4, 6, 12])
 def test_branches_that_visits_shift_at_random_have_no_drift(visits):
     """As relaxation does after holds of unequal length."""

@@ -1,5 +1,7 @@
 """The surface (5.5) is recovered from encoder readings, with correct intervals."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 
 FORM = {"c": "constant", "p": "parabolic", "e": "exponential"}
-SEEDS = range(20)
+SEEDS = range(20 if os.environ.get("SMARIG_LONG") else 10)
 
 
 @pytest.fixture(scope="module")

@@ -18,6 +18,8 @@ from smarig.replay import Model, memory_histories
 from smarig.replay.memory_history import input_path, reversals_between
 from smarig.runner.session import Session
 
+LEVELS = {"partition_K": (0, 40, 60, 80, 100, 120, 170)}
+
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
@@ -28,7 +30,7 @@ def runs(tmp_path_factory):
             ModelSource(model_of("one_e"), "one_e.model.json", "1" * 64), session.file, 6.0, hold_s=30.0
         )
         made = [
-            session.run("first_order_descending", {}, folder / "fod.run.sqlite"),
+            session.run("first_order_descending", LEVELS, folder / "fod.run.sqlite"),
             session.run("regulate", loop.settings, folder / "held.run.sqlite", protocol_factory=loop.make),
         ]
     return [load_run(path) for path in made]

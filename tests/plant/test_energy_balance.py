@@ -54,6 +54,7 @@ def replace_period(rig, period_s):
     return rig.model_copy(update={"period_s": period_s})
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("kind", RIGS)
 @pytest.mark.parametrize("seed", range(3))
 def test_the_energy_balances_if_the_resistance_of_the_phase_heats(kind, seed):

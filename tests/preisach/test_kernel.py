@@ -155,6 +155,7 @@ def test_compiled_is_plain(name: str, initial):
     assert len(plain.state.extrema) > 3
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("compiled", LOOPS)
 @pytest.mark.parametrize("cut", [1, 2, 777, CHUNK - 1, CHUNK, CHUNK + 1, 2 * CHUNK + 5])
 @pytest.mark.parametrize("initial", ["negative", "anhysteretic"])
@@ -301,6 +302,7 @@ def test_swept_is_the_difference_of_outputs(name: str):
 
 
 @needs_numba
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize("spread", ["even", "clustered", "one", "two the same but for rounding"])
 def test_the_compiled_search_finds_what_numpy_finds(side: Literal["left", "right"], spread: str):

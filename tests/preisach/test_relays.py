@@ -40,6 +40,7 @@ def worst(op: Preisach, relays: Relays, y_lower: float, inputs: np.ndarray) -> f
     return float(np.max(np.abs(here - relays.drive(inputs, y_lower))))
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("history", HISTORIES)
 @pytest.mark.parametrize("initial", ["negative", "anhysteretic"])
 @pytest.mark.parametrize("name", TABLE_5_1)
@@ -53,6 +54,7 @@ def test_surface_is_its_relays(name: str, initial: str, history: str):
     assert worst(op, relays, printed.y_lower, histories(levels, 1)[history]) <= TOLERANCE * printed.range
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("centre", EVEN[2::3])
 @pytest.mark.parametrize("name", ["two_c", "two_p", "two_e"])
 def test_surface_is_its_relays_from_any_diagonal(name: str, centre: float):

@@ -6,22 +6,12 @@ import pytest
 
 import smarig.report.drawing
 
-_DRAW = smarig.report.drawing.svg_of
-
 
 @pytest.fixture(scope="package", autouse=True)
 def figures_as_data():
     """Pages contain the data of each panel in place of its drawing."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(smarig.report.drawing, "svg_of", _data)
-        yield
-
-
-@pytest.fixture(scope="module")
-def drawings():
-    """Figures are drawn in the tests of this module."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(smarig.report.drawing, "svg_of", _DRAW)
         yield
 
 

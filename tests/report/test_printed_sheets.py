@@ -35,7 +35,7 @@ def full_loop(tmp_path_factory):
     """A run whose sheet has the temperatures too."""
     out = tmp_path_factory.mktemp("loop") / "full.run.sqlite"
     with Session("one_wire_twin", seed=1) as session:
-        return load_run(session.run("constant_force_cycles", {"cycles": "1", "points": "40"}, out))
+        return load_run(session.run("constant_force_cycles", {"cycles": "1", "points": "20"}, out))
 
 
 def printed_pages(page, folder):

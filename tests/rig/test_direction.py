@@ -49,6 +49,7 @@ class Watched:
         return self.check.against
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("name", WIRES)
 @pytest.mark.parametrize("factor", [0.91, 1.09])
 @pytest.mark.parametrize(("lag", "sensor_taus"), [(0.4, 0.0), (1.0, 1.0), (2.5, 1.0)])

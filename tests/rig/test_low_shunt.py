@@ -63,6 +63,7 @@ def random_currents(rng, limits):
     return np.repeat(levels, rng.integers(20, 300, 12))
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("rig", ["one_wire_twin", "two_wire_twin"])
 @pytest.mark.parametrize("factor", FACTORS)
 def test_open_loop(rig, factor):

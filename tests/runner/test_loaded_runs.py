@@ -24,14 +24,12 @@ def test_the_command_records_the_load_of_a_run(tmp_path):
         "--load",
         "24",
         "--set",
-        "points=10",
-        "--set",
-        "cycles=1",
+        "points=2",
         "-o",
         str(out),
         "--quiet",
     ]
-    assert cli(["run", "constant_force_cycles", *args]) == 0
+    assert cli(["run", "validation", *args]) == 0
     run = load_run(out)
     assert run.info.conditions["load"] == {"unit": "N", "mean": 24.0, "min": 24.0, "max": 24.0}
     assert run.info.conditions["stress"]["mean"] == pytest.approx(24 / SECTION_MM2)

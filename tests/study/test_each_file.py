@@ -9,6 +9,7 @@ from smarig.cli import run as cli
 from smarig.study import StudyOptions, find_files, study_each
 from study.known_data import csv_text, displacements, temperatures
 
+pytestmark = pytest.mark.usefixtures("drawings")
 QUICK = StudyOptions(diagnose=False)
 
 

@@ -12,6 +12,7 @@ from smarig.study.heat_flow_header import exothermic_direction
 from smarig.study.understanding import understand
 from transformation.known_peaks import KnownPeak
 
+pytestmark = pytest.mark.usefixtures("drawings")
 RATE_K_PER_MIN = 10.0
 HEATING = KnownPeak(middle=55.0, before=4.0, after=4.0, height=0.6, slope=2e-4)
 COOLING = KnownPeak(middle=25.0, before=5.0, after=5.0, height=0.5)
@@ -163,6 +164,7 @@ def test_the_field_case_has_its_peaks_where_they_were_made(shared_data, tmp_path
     assert cycle.figures["M_p"].value == pytest.approx(28.0, abs=0.3)
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("states", [True, False])
 @pytest.mark.parametrize("above", [0.0, 30.0])
 def test_a_power_is_a_heat_flow_where_it_turns_negative_or_a_way_is_exothermic(tmp_path, states, above):

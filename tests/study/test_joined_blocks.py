@@ -36,6 +36,7 @@ def blocks(path, parts, *, restart=False, loads=None, title="[step]\nRamp - {}\n
     return path
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("count", [2, 3, 5])
 @pytest.mark.parametrize("title", ["[step]\nTemperature Ramp - {}\n", "", "Segment {}\n"])
 def test_steps_of_one_clock_are_one_record(tmp_path, count, title):

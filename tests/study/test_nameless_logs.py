@@ -20,6 +20,7 @@ def log(path, *columns, start="Ready\n", sign="\t"):
     return path
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("sign", ["\t", ",", ";", " "])
 @pytest.mark.parametrize("step", [2, 100, 500, 1000])
 def test_equal_steps_are_the_clock_and_the_rest_is_asked(tmp_path, step, sign):

@@ -49,6 +49,7 @@ CELLS = {
 
 
 @pytest.mark.skipif(lacks("files"), reason="needs extra 'files'")
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("units", [("s", "°C", "mm"), ("[s]", "[°C]", "[mm]"), ()])
 @pytest.mark.parametrize("cell", CELLS)
 def test_a_workbook_of_texts(tmp_path, cell, units):

@@ -6,6 +6,7 @@ import pytest
 from smarig.study import StudyOptions, study
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("noise_K", [0.0, 0.15])
 @pytest.mark.parametrize("falls", [False, True])
 def test_a_branch_alone_is_told_as_one_way(tmp_path, noise_K, falls):

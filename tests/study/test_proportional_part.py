@@ -14,6 +14,7 @@ from smarig.study.study_files import STUDY_MODEL
 from smarig.study.study_options import StudyOptions
 from study.test_undetermined_states import path
 
+pytestmark = pytest.mark.usefixtures("few_readings")
 TURNS = (25, 95, 25, 95, 40, 90, 50, 85, 30, 95, 25, 80, 45, 95, 25, 95, 40, 90, 50, 80, 25)
 
 

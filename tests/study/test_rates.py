@@ -19,6 +19,15 @@ def table(path, drive, name, values):
     return path
 
 
+@pytest.mark.long(
+    "takes a second each",
+    cases=(
+        "H (A/m)-B (T/s)-B (T)",
+        "field (mT)-dM/dt-M (emu)",
+        r"temperature (\xb0C)-strain [%/min]-strain (%)",
+        r"temperature (\xb0C)-x (mm/s)-x (mm)",
+    ),
+)
 @pytest.mark.parametrize(
     ("drive", "rate", "output"),
     [

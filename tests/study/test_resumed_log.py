@@ -26,6 +26,7 @@ def log(parts, *, names_again=True, first=0.0):
     return "\n".join(lines) + "\n"
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("first", [0.0, 0.5, 12.0])
 @pytest.mark.parametrize("names_again", [True, False])
 @pytest.mark.parametrize("parts", [2, 3, 5])

@@ -28,6 +28,7 @@ def log(path, start_s, order="y", names=("U1-1[C]", "U1-2[ohm]"), first=U, day=7
     return path
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("order", ["y", "d"])
 @pytest.mark.parametrize("start_s", [36753, 86340.5, 86399])
 @pytest.mark.parametrize("day", [7, 21])

@@ -69,15 +69,19 @@ def test_the_part_that_goes_on_states_when_the_record_began_and_its_cycles(tmp_p
     assert alone.cycle[0] == pytest.approx(joined.cycle[0], abs=0.05)
 
 
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("imported")
+    file = written(folder, clamped(cycles=3))
+    return study([file], folder / "out", StudyOptions(diagnose=False)).tables[0].run
+
+
 @pytest.mark.parametrize(
     "stated", [None, 3, {}, {"began_s": "x", "cycles": None}, {"began_s": 1e308}, {"cycles": -4}]
 )
-def test_what_a_file_states_wrongly_is_as_if_it_stated_nothing(tmp_path, stated):
-    file = written(tmp_path, clamped(cycles=3))
-    result = study([file], tmp_path / "out", StudyOptions(diagnose=False))
-    run = result.tables[0].run
-    run.meta["imported"] = {**run.meta["imported"], "continues_at": stated}
-    (record,) = input_records([run])
+def test_what_a_file_states_wrongly_is_as_if_it_stated_nothing(imported, stated):
+    stating = {**imported.meta["imported"], "continues_at": stated}
+    (record,) = input_records([imported.with_meta(imported=stating)])
     assert record.elapsed[0] == 0
     assert record.cycle[0] == 0
 

@@ -6,6 +6,7 @@ import pytest
 from smarig.study import StudyOptions, study
 from study.known_data import displacements, temperatures
 
+pytestmark = pytest.mark.usefixtures("drawings")
 QUICK = StudyOptions(diagnose=False)
 
 

@@ -50,6 +50,7 @@ def studied(folder, u, y, *, diagnose=False):
     return study([written(folder / "loop.csv", u, y)], folder / "out", StudyOptions(diagnose=diagnose))
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("kind", ["on a line", "drawn"])
 @pytest.mark.parametrize(("turns", "at"), [("inner turn", 50), ("deep turn", 62)])
 def test_a_turn_inside_the_fitted_loop_is_missing_knowledge(tmp_path, kind, turns, at):
@@ -100,6 +101,7 @@ def test_full_loops_leave_nothing_open(tmp_path):
     assert studied(tmp_path, u, output("drawn", u)).undetermined is None
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("beyond", [0.002, 0.005])
 @pytest.mark.parametrize("ends", [(0.0, 1.0), (0.5, 3.5)])
 def test_fitted_data_may_never_saturate_a_model_of_all_rows(tmp_path, ends, beyond):

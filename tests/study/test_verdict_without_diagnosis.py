@@ -7,6 +7,7 @@ import pytest
 
 from smarig.study import StudyOptions, study, study_result
 
+pytestmark = pytest.mark.usefixtures("few_readings")
 K = np.arange(1600)
 U = 70 - 50 * np.cos(K * np.pi / 200)  # four full loops
 LOOPS = 1 + np.tanh((U - 67 - 8 * np.sign(np.sin(K * np.pi / 200))) / 14)

@@ -162,6 +162,7 @@ def test_a_deleted_library_is_made_again_with_its_notes(library):
     assert places(library, tags=["good"], text="seen") == ["1.run.sqlite"]
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("how", ["garbage", "cut", "middle", "head", "empty"])
 @pytest.mark.parametrize("noticed", ["at opening", "by a scan"])
 def test_a_damaged_library_is_made_again_with_its_notes(library, how, noticed):

@@ -158,6 +158,7 @@ def test_pages_open_nothing_outside_of_the_folder_that_a_rig_names(folder, outsi
     assert watch.seen == []
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("key", ["base", "actuator", "load.file"])
 @pytest.mark.parametrize("way", ["absolute", "parent", "link"])
 def test_what_a_click_has_opened_is_used(folder, outside, key, way):

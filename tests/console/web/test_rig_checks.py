@@ -208,6 +208,7 @@ def test_an_address_with_a_null_character_is_refused_in_a_sentence(console: Cons
     assert (reply.status, reply.body[:38]) == (400, "The address holds a null character, or")
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("length", [300, 5000])
 @pytest.mark.parametrize(
     ("form", "kind"),

@@ -38,6 +38,7 @@ class Streaming:
         self._server.close()
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("every_s", [0.002, 2 * TIMEOUT_S])
 @pytest.mark.parametrize("who", ["*IDN?", ""])
 def test_a_query_among_lines_that_do_not_end_is_an_error_in_a_bounded_time(who, every_s):

@@ -6,6 +6,7 @@ import pytest
 from smarig.diagnosis.comparison.measured.hypothesis_search import _around, vertex
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("first", [0.1, 0.3, 0.0091017, 7.7])
 @pytest.mark.parametrize("step", [2 / 3, 0.1, 1 / 7])
 def test_finer_values_meet_the_options(first, step):

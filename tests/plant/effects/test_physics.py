@@ -293,6 +293,7 @@ def test_latent_heat_is_none_where_friction_holds_the_wire():
     assert np.abs(np.array(T) - bare).max() < 0.02 * 14.0
 
 
+@pytest.mark.long("one of each kind", one_of_each=True)
 @pytest.mark.parametrize("rig", ["one_wire", "two_wire"])
 @pytest.mark.parametrize("name", ["slack", "noncongruency", "eccentricity", "r_phase"])
 def test_creep_has_no_part_in_where_the_output_begins(rig, name):

@@ -1,10 +1,13 @@
 """How a table writes numbers, and what kind of cell a text is."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from smarig.exchange.tables.found_table import CLOCK, NUMBER, TEXT
 from smarig.exchange.text.cell_values import is_missing, is_number
 from smarig.exchange.text.clock_cells import clock_seconds
+
+_SHORT = 40  # characters: of a cell whose kind is kept, since several styles and readers ask for it
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,13 @@ class NumberStyle:
 
     def kind(self, cell: str) -> str:
         """Whether a cell is a number (or a word for a missing one), a clock time or another text."""
-        mixed = self.decimal == "," and "." in cell and "," not in cell and not self.thousands
-        if (is_number(cell, self.decimal, self.thousands) and not mixed) or is_missing(cell):
-            return NUMBER
-        return CLOCK if clock_seconds(cell) is not None else TEXT
+        of = _kind if len(cell) <= _SHORT else _kind.__wrapped__
+        return of(cell, self.decimal, self.thousands)
+
+
+@lru_cache(maxsize=20_000)
+def _kind(cell: str, decimal: str, thousands: str) -> str:
+    mixed = decimal == "," and "." in cell and "," not in cell and not thousands
+    if (is_number(cell, decimal, thousands) and not mixed) or is_missing(cell):
+        return NUMBER
+    return CLOCK if clock_seconds(cell) is not None else TEXT

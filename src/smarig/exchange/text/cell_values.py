@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Collection, Iterable, Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -51,11 +52,14 @@ def plain_number(cell: str, decimal: str, thousands: str = "") -> str:
     >>> plain_number("1.234,5", ",", "."), plain_number("12,5", ","), plain_number("1'000.5", ".", "'")
     ('1234.5', '12.5', '1000.5')
     """
-    if thousands and re.fullmatch(
-        rf"[+-]?\d{{1,3}}({_THOUSANDS[thousands]}\d{{3}})+(\{decimal}\d*)?([eE][+-]?\d+)?", cell
-    ):
+    if thousands and _divided(decimal, thousands).fullmatch(cell):
         cell = re.sub(_THOUSANDS[thousands], "", cell)
     return cell.replace(",", ".") if decimal == "," and "." not in cell else cell
+
+
+@cache
+def _divided(decimal: str, thousands: str) -> re.Pattern[str]:
+    return re.compile(rf"[+-]?\d{{1,3}}({_THOUSANDS[thousands]}\d{{3}})+(\{decimal}\d*)?([eE][+-]?\d+)?")
 
 
 def is_number(cell: str, decimal: str, thousands: str = "") -> bool:
