@@ -4,19 +4,18 @@ from collections.abc import Sequence
 
 from smarig.core import spaced
 from smarig.report.components.html import Html, paragraph, with_subscripts
-from smarig.report.components.numbers import number, to_uncertainty
+from smarig.report.components.numbers import number, to_interval
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, source_label
-from smarig.report.components.run_title import titled
 from smarig.report.runs.run_summary import summary_with_loop
-from smarig.report.transformation.tangent_figure import tangent_figure
+from smarig.report.runs.run_title import titled
+from smarig.report.transformation.tangent_figures import cycles_figure, stress_figure, tangent_figure
 from smarig.report.transformation.transformation_tables import (
     branches_text,
     figures_table,
     stress_table,
     temperature_cards,
 )
-from smarig.report.transformation.trend_figures import cycles_figure, stress_figure
 from smarig.transformation import RunFigures, TransformationResult, stated_ranges, why_not
 
 _SIZES = (("stroke", "stroke"), ("width", "width of the hysteresis"))
@@ -96,10 +95,8 @@ def _width(run: RunFigures) -> str:
 
 
 def _value(run: RunFigures, name: str) -> str:
-    low, high = run.means[name].ci95
-    return (
-        f"{to_uncertainty(run.means[name].value, (high - low) / 2)}{spaced(display_unit(run.unit_of(name)))}"
-    )
+    found = run.means[name]
+    return f"{to_interval(found.value, found.ci95)}{spaced(display_unit(run.unit_of(name)))}"
 
 
 def _method() -> list[Html]:

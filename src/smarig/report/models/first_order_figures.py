@@ -9,11 +9,12 @@ from smarig.identification import POSITIVE_KIND, Identification, fit_curves
 from smarig.preisach import surface_forms
 from smarig.record import Run
 from smarig.replay import recorded_start
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, noise_band
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import (
     count_size,
     input_title,
+    loop_axes,
     output_title,
     run_caption,
     source_label,
@@ -28,7 +29,7 @@ from smarig.report.models.identification_plot_data import (
     residuals,
     resimulated,
 )
-from smarig.report.runs.representation_figure import count_lines, count_text, noise_band
+from smarig.report.runs.representation_figure import count_lines, count_text
 
 _MOST_CURVES = 30  # of more curves every n-th is drawn, and the caption states n
 _BANDS = "bands: 90 % intervals of a new reading, wide where there are no data; "
@@ -150,7 +151,7 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
             line(u, y, f"model, {_model_label(name)}", surface_colour(name), width=1.4),
             dots(inputs, outputs, "measured", INK, size=4),
         ]
-        layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+        layout = loop_axes(run)
         panels.append(Panel(data, layout, 400))
     return Figure(
         panels,

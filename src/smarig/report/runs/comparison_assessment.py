@@ -1,20 +1,17 @@
 """What a comparison of runs shows: what was compared, whether the wire has changed, and what to do."""
 
 from collections.abc import Sequence
-from datetime import UTC, datetime
 
 import numpy as np
 
 from smarig.core import spaced
 from smarig.identification import ErrorLevel
 from smarig.record import Run
-from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import number, signed
-from smarig.report.components.run_description import display_unit, extent, protocol_name
-from smarig.report.runs.earlier_model import earlier_model_sentence
-from smarig.report.runs.own_diagnosis import named_causes, own_diagnoses
-from smarig.report.runs.run_alignment import AlignedRun
-from smarig.report.runs.run_change import RunChange, run_change
+from smarig.report.components.page_summary import Assessment, box_level
+from smarig.report.components.run_description import display_unit, extent, protocol_name, started
+from smarig.report.runs.own_characterisation import earlier_model_sentence, named_causes, own_diagnoses
+from smarig.report.runs.run_alignment import AlignedRun, RunChange, run_change
 from smarig.report.runs.run_family import FamilyFigures
 from smarig.report.runs.temperature_change import change_sentences, temperature_change
 
@@ -102,8 +99,8 @@ def _compared(first: AlignedRun, others: Sequence[AlignedRun]) -> str:
 
 
 def _date(run: Run) -> str:
-    epoch = run.info.start_epoch
-    return f" ({datetime.fromtimestamp(epoch, UTC):%Y-%m-%d %H:%M})" if epoch else ""
+    when = started(run)
+    return f" ({when})" if when else ""
 
 
 def _change_text(worst: AlignedRun, change: RunChange, others: int) -> str:

@@ -11,19 +11,17 @@ from numpy.typing import NDArray
 from smarig.core import Array, spaced
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.components.decimate import path
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.figure import Figure, Panel, Trace, dots, line
 from smarig.report.components.numbers import number, thousands
 from smarig.report.components.run_description import (
     count_size,
-    input_title,
-    output_title,
+    loop_axes,
     protocol_name,
     run_caption,
     source_label,
 )
 from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
-from smarig.report.runs.record_gaps import drawn, ends_of_parts, uninterrupted_parts
-from smarig.report.runs.sample_path import sample_path
+from smarig.report.runs.sample_path import drawn, ends_of_parts, sample_path, uninterrupted_parts
 
 _GROUPS = 8  # number of distinguishable colours
 _MOST = 200  # largest number of settled points with a mark each
@@ -38,7 +36,7 @@ def hysteresis_figure(run: Run, *, explore: bool = True) -> Figure:
         data, words = _step_traces(run)
     else:
         data, words = _sample_traces(run)
-    layout: dict[str, Any] = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+    layout: dict[str, Any] = loop_axes(run)
     size = count_size(run)
     resolution = f"Resolution {size:.3g}{spaced(run.unit)}." if size else ""
     return Figure(
