@@ -14,7 +14,6 @@ from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, UsageError, suggestion
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
-from smarig.identification.early_ends import early_end_warnings
 from smarig.identification.extended.choose_extension import choose_extension
 from smarig.identification.extended.extension_names import NONE, extension_names
 from smarig.identification.fitted_hysteresis import (
@@ -29,7 +28,7 @@ from smarig.identification.identification_result import Identification
 from smarig.identification.identify_loads import check_load_settings, identify_loads
 from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.positive.positive_fit import PositiveFit
-from smarig.identification.rows_used import rows_of_runs, without_dropouts
+from smarig.identification.rows_used import early_end_warnings, rows_of_runs, without_dropouts
 from smarig.identification.run_zeros import (
     DISAGREE,
     disagreement_text,
@@ -38,7 +37,7 @@ from smarig.identification.run_zeros import (
 from smarig.identification.surface.choose_surface import (
     choose_surface,
 )
-from smarig.identification.surface.curve_report import curve_report
+from smarig.identification.surface.curve_report import curve_report, twin_crossing_note
 from smarig.identification.surface.moving_readings import motion_within_a_tick
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
@@ -46,7 +45,6 @@ from smarig.identification.sweeps.heating_of_sweeps import (
     heating_of_sweeps,
     with_fitted_inputs,
 )
-from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import Everett, Mirrored, surface_forms
 from smarig.record import OWN_ZERO, Run, Runs, counted, loaded_runs
 from smarig.replay import (

@@ -8,7 +8,6 @@ import numpy as np
 
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.density_report import density_report
-from smarig.identification.early_ends import early_end_warnings
 from smarig.identification.extended.extension_names import NONE
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.identification_result import Identification
@@ -16,7 +15,7 @@ from smarig.identification.measured.load_dependence import LoadDependence, fit_l
 from smarig.identification.measured.reading_plan import reading_plan
 from smarig.identification.measured.zero_by_load import zero_slope
 from smarig.identification.noise_floor import noise_floor, noise_record
-from smarig.identification.rows_used import THINNED, rows_used
+from smarig.identification.rows_used import THINNED, early_end_warnings, rows_used
 from smarig.identification.surface.curve_report import curve_report
 from smarig.identification.surface.fit_figures import error_figures
 from smarig.identification.surface.moving_readings import motion_within_a_tick
