@@ -69,11 +69,8 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
         f"Models on the same runs: {', '.join(models)}" if len(models) > 1 else f"Model {next(iter(models))}"
     )
     notices = ending_notices(list(runs.values()))
-    return page(title, _lead(runs), sections, label=label, simulated=words, notices=notices)
-
-
-def _lead(runs: Mapping[str, Run]) -> str:
-    return f"Verified on {', '.join(Path(name).name for name in runs)}"
+    lead = f"Verified on {', '.join(Path(name).name for name in runs)}"
+    return page(title, lead, sections, label=label, simulated=words, notices=notices)
 
 
 def _errors(verifications: _Verifications, unit: str) -> Html:

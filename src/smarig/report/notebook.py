@@ -266,15 +266,12 @@ def _diagnosis_html(thing: CommandedDiagnosis) -> str:
     )
 
 
-def _badge_html(label: str) -> Html:
-    return tag("span", f"{label} · simulated, not hardware", style=_BADGE)
-
-
 _BADGE = "background:#f7c948;color:#111;font-weight:700;font-size:12px;padding:0 6px;border-radius:2px"
 
 
 def _drawing_with_text(drawing: Html, title: str, label: str, rows: list[str]) -> str:
     """A drawing with its text; styles are inline because a notebook does not load the style sheet of pages."""
     picture = tag("div", drawing, style="flex:0 0 240px") if drawing else ""
-    words = tag("div", tag("b", title), " ", _badge_html(label) if label else "", bullets(rows))
+    badge = tag("span", f"{label} · simulated, not hardware", style=_BADGE) if label else ""
+    words = tag("div", tag("b", title), " ", badge, bullets(rows))
     return tag("div", picture, words, style="display:flex;gap:16px;align-items:center;flex-wrap:wrap")

@@ -70,7 +70,9 @@ def comparison_page(runs: Mapping[str, Run], *, summary: bool = False) -> str:
     check_same_units(runs)
     loops = {name: run for name, run in runs.items() if is_closed_loop(run)}
     others = {name: run for name, run in runs.items() if name not in loops}
-    found = _coloured(aligned(others)) if others else []
+    found = aligned(others) if others else []
+    if found:
+        found = with_colours(found, family_figures(list(others.values())).variable)
     assessed, opening = _first_screen(found, sheet=summary)
     sections = [*opening, *loops_section(loops, first=len(others))]
     if not summary:
@@ -132,10 +134,6 @@ def _first_screen(found: Sequence[AlignedRun], *, sheet: bool) -> tuple[Assessme
             [*box, *(figure for figure in figures if figure)],
         )
     ]
-
-
-def _coloured(found: Sequence[AlignedRun]) -> list[AlignedRun]:
-    return with_colours(found, family_figures([each.run for each in found]).variable)
 
 
 def _check_count(runs: Mapping[str, Run]) -> None:

@@ -1,7 +1,5 @@
 """The page of transformation temperatures: figures, loops with their tangents, cycles, stress, branches, method."""
 
-from collections.abc import Sequence
-
 from smarig.core import spaced
 from smarig.report.components.html import Html, paragraph, with_subscripts
 from smarig.report.components.numbers import number, to_interval
@@ -25,8 +23,9 @@ def transformation_page(found: TransformationResult) -> str:
     """The HTML page of the transformation temperatures of one run or several."""
     runs = found.runs
     first, *others = runs
+    cards = [] if others else [temperature_cards(first)]
     sections = [
-        Section("", "Summary", [_opening(found), tangent_figure(first), *_cards(runs)]),
+        Section("", "Summary", [_opening(found), tangent_figure(first), *cards]),
         Section("Figures with intervals", "Figures", [figures_table(run) for run in runs]),
     ]
     slopes = stress_figure(runs, found.stress)
@@ -48,10 +47,6 @@ def transformation_page(found: TransformationResult) -> str:
         "transformation temperatures", f"{lead}: loops with their tangents.", "", runs[0].run
     )
     return page(title, lead, sections, label=label, summary=about)
-
-
-def _cards(runs: Sequence[RunFigures]) -> list[Html]:
-    return [temperature_cards(runs[0])] if len(runs) == 1 else []
 
 
 def _opening(found: TransformationResult) -> Html:

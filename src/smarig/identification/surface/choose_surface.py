@@ -143,7 +143,8 @@ def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighti
         whole = fit_surface(some, kind, anchor=anchor, weights=weights)
 
         def fitted(train: Mask) -> FodSurface:
-            return _refitted_surface(some.where(train), whole, anchor, weights)
+            form = whole.surface.form  # started at the fit to all curves
+            return fit_surface(some.where(train), form, anchor=anchor, weights=weights, start=whole).surface
 
         return _Candidate(whole.surface, some, fitted, whole)
     if kind == POSITIVE_KIND:
@@ -151,13 +152,6 @@ def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighti
         fit = fit_positive(Observations.of_fod(some))
         return _Candidate(fit.table, some, _positive_refit(some, fit))
     return _Candidate(table(data), data, lambda train: curve_table(data.where(train)))
-
-
-def _refitted_surface(
-    train: FodData, whole: SurfaceFit, anchor: bool, weights: MajorLoopWeighting
-) -> FodSurface:
-    """The surface of the training curves, started at the fit to all curves."""
-    return fit_surface(train, whole.surface.form, anchor=anchor, weights=weights, start=whole).surface
 
 
 def _positive_refit(data: FodData, whole: PositiveFit) -> Callable[[Mask], FodTable]:

@@ -131,7 +131,8 @@ def regulation_overlay_figure(loops: Sequence[ComparedRegulation]) -> Figure | N
     shown = [(each.result.transient or 0.0) / (each.count or 1.0) for each in loops]
     half_range = error_half_range(all_errors, max(shown)) if counted else 1.05 * float(np.nanmax(all_errors))
     data: list[Trace] = [tolerance_band(_longest_time(loops) / size, 0.0)] if counted else []
-    disturbances = dict.fromkeys((round(on), round(off)) for on, off in _disturbances_text(loops))
+    known = [each.result.disturbance_s for each in loops if each.result.disturbance_s is not None]
+    disturbances = dict.fromkeys((round(on), round(off)) for on, off in known)
     data += [
         disturbance_shading(on / size, off / size, 0.0, half_range, showlegend=k == 0)
         for k, (on, off) in enumerate(disturbances)
@@ -213,10 +214,6 @@ def _output_path(each: ComparedRegulation) -> Trace:
     loop = each.loop
     kept = path(loop.input_K, loop.position)
     return _line(each, loop.input_K[kept], loop.position[kept] + each.result.zero)
-
-
-def _disturbances_text(loops: Sequence[ComparedRegulation]) -> list[tuple[float, float]]:
-    return [each.result.disturbance_s for each in loops if each.result.disturbance_s is not None]
 
 
 def _longest_time(loops: Sequence[ComparedLoop]) -> Array:

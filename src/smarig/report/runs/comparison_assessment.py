@@ -29,23 +29,21 @@ _ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
 def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) -> Assessment:
     """The assessment of aligned runs (the first is the reference), built from their figures."""
     first, *others = found
-    common = [each for each in others if _is_comparable(each)]
+    common = [each for each in others if each.difference.size >= _FEWEST]
     if not common:
         return _without_common_steps(first, others)
     changes = [(each, run_change(first, each)) for each in common]
     worst, change = max(changes, key=lambda pair: (_ORDER.index(pair[1].level), pair[0].rms))
     named = bool(named_causes([first.run, worst.run]))
+    predicted = earlier_model_sentence(first, worst)
+    diagnosed = own_diagnoses({each.name: each.run for each in (first, worst)})
     return Assessment(
         box_level(change.level),
         _compared(first, others),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}".strip(),
-        f"{_advice(worst, change, _diagnosed(first, worst), named=named)}{_predicted(first, worst)}"
+        f"{_advice(worst, change, diagnosed, named=named)}{f' {predicted}' if predicted else ''}"
         f"{_stated_effects(first, others)}",
     )
-
-
-def _is_comparable(run: AlignedRun) -> bool:
-    return run.difference.size >= _FEWEST
 
 
 def _common_text(others: Sequence[AlignedRun]) -> str:
@@ -138,15 +136,6 @@ def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
     if not variable.unit:
         return f"Stroke {ends} from the first to the last run."
     return f"Stroke {ends} from {variable.text(order[0])} to {variable.text(order[-1])} of {variable.name.lower()}."
-
-
-def _predicted(first: AlignedRun, worst: AlignedRun) -> str:
-    sentence = earlier_model_sentence(first, worst)
-    return f" {sentence}" if sentence else ""
-
-
-def _diagnosed(first: AlignedRun, worst: AlignedRun) -> str:
-    return own_diagnoses({each.name: each.run for each in (first, worst)})
 
 
 def _advice(worst: AlignedRun, change: RunChange, diagnosed: str, *, named: bool) -> str:
