@@ -1,4 +1,4 @@
-"""One sheet of paper on a run, with or without a model: three sentences, the loop, key figures, and its origin."""
+"""One sheet of paper on a run or a characterisation: three sentences, the loop, key figures, and its origin."""
 
 from collections.abc import Iterable
 from dataclasses import replace

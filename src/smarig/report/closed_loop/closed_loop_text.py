@@ -1,4 +1,4 @@
-"""Results of a closed loop in sentences, for the terminal and for pages."""
+"""Results of a closed loop in sentences, for the terminal and for pages, and whether it reached its goal."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Groups of comparable closed loops: the same reference, or the same set-point and disturbance."""
+"""Overlays of comparable closed loops: those of one reference over time; of one set-point also in the plane."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass

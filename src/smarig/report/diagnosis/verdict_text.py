@@ -1,4 +1,4 @@
-"""How serious a verdict is, on its page and in lists of pages: a named cause is a good diagnosis of a bad wire."""
+"""The words of a diagnosis page: verdict with its level, key figures, strengths, and the next experiment."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence

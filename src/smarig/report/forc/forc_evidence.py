@@ -1,4 +1,4 @@
-"""What the page of first-order curves shows: data, drift correction, diagram, central ridge and other smoothings."""
+"""What the page of first-order curves shows: data, drift correction, diagram and ridge, and how far to trust them."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Plot data of an identification: curves, residuals, grids and the re-simulated input.
+"""Plot data of an identification: curves, residuals, grids, the re-simulated input, and small loops.
 
 Surfaces are fitted to descending first-order curves; ascending ones are fitted in the mirror image
 (u, y) → (−u, −y). All values here have the units and signs of the measurement.

@@ -1,4 +1,4 @@
-"""Tables of transformation temperatures: figures, stress dependence, branches."""
+"""Tables and cards of transformation temperatures: figures, compared runs, stress dependence, branches."""
 
 import math
 import re
