@@ -12,7 +12,7 @@ import numpy as np
 
 from smarig.core import Array, DataError, correlation, spaced
 from smarig.identification.density_report import DensityReport, density_report
-from smarig.identification.fod_data import FodData
+from smarig.identification.fod_data import FodData, table
 from smarig.identification.forc.forc_curves import curves_from_run
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
@@ -24,7 +24,6 @@ from smarig.identification.surface.fit_figures import (
     surface_figures,
     surface_warnings,
 )
-from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit
 from smarig.identification.sweeps.heating_of_sweeps import sweep_nodes
 from smarig.measurement import reversals

@@ -37,8 +37,7 @@ from smarig.identification.run_zeros import (
 from smarig.identification.surface.choose_surface import (
     choose_surface,
 )
-from smarig.identification.surface.curve_report import curve_report, twin_crossing_note
-from smarig.identification.surface.moving_readings import motion_within_a_tick
+from smarig.identification.surface.curve_report import curve_report, motion_within_a_tick, twin_crossing_note
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
 from smarig.identification.sweeps.heating_of_sweeps import (

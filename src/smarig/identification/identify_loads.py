@@ -16,9 +16,8 @@ from smarig.identification.measured.reading_plan import reading_plan
 from smarig.identification.measured.zero_by_load import zero_slope
 from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.rows_used import THINNED, early_end_warnings, rows_used
-from smarig.identification.surface.curve_report import curve_report
+from smarig.identification.surface.curve_report import curve_report, motion_within_a_tick
 from smarig.identification.surface.fit_figures import error_figures
-from smarig.identification.surface.moving_readings import motion_within_a_tick
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND
 from smarig.measurement import InputRecord
 from smarig.preisach import FodTable

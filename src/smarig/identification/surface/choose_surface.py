@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError
-from smarig.identification.fod_data import FodData
+from smarig.identification.fod_data import FodData, curve_table, table
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.positive.quadratic_programme import MeasureProblem
 from smarig.identification.positive.smoothing_choice import COMPARISON_ACCURACY
-from smarig.identification.surface.measured_table import curve_table, table
 from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import POSITIVE_KIND, kinds_by_freedom, surface_kinds
 from smarig.preisach import FodSurface, FodTable, ForcTable, lattice, surface_forms
