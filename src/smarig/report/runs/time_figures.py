@@ -23,7 +23,8 @@ from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TE
 from smarig.report.runs.sample_path import broken_at_gaps, drawn, ends_of_parts, uninterrupted_parts
 
 ROWS = ("y", "y2", "y3", "y4", "y5", "y6")
-_BREAKS = ((" above ambient", "<br>above ambient"), (", ", ",<br>"), (" T₁", "<br>T₁"))  # of titles of rows
+# Where the title of a row breaks: in one line it would run into the next row.
+_BREAKS = ((" above ambient", "<br>above ambient"), (", ", ",<br>"), (" difference", "<br>difference"))
 _CHANNELS = (
     ("current_A", "Current (A)", CURRENT),
     ("current_command_A", "Commanded current (A)", CURRENT),
@@ -57,7 +58,11 @@ def time_unit(span_s: float) -> tuple[float, str]:
 
 
 def stacked_layout(titles: Sequence[str], t_title: str, shares: Sequence[float] = ()) -> dict[str, Any]:
-    """The layout of rows that share one time axis, each with its share of the height, else with equal ones."""
+    """The layout of rows that share one time axis, each with its share of the height, else with equal ones.
+
+    >>> stacked_layout(["Wire temperature difference T₁ − T₂ (K)"], "Time (s)")["yaxis"]["title"]["text"]
+    'Wire temperature<br>difference T₁ − T₂ (K)'
+    """
     last = ROWS[len(titles) - 1]
     layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=last, mirror=False)}
     top = 1.0
