@@ -15,8 +15,7 @@ from smarig.cli import run as command_line
 from smarig.core.command import Hold, Settled, StepResult, StepVerdict
 from smarig.identification.adaptive import informed_choice
 from smarig.identification.adaptive.memory_path import duration_s, path_after, paths_along, rows
-from smarig.identification.adaptive.next_inputs import observations
-from smarig.identification.adaptive.plan_search import best_plan
+from smarig.identification.adaptive.next_inputs import best_plan, observations
 from smarig.identification.adaptive.surface_posterior import (
     density_amplitude,
     reading_noise_sd,

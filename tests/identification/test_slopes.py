@@ -11,8 +11,8 @@ import smarig
 from smarig.cli import run as cli
 from smarig.core import UsageError
 from smarig.identification.fod_data import FodData
+from smarig.identification.surface.curve_report import twin_crossing_note
 from smarig.identification.surface.surface_fit import fit_surface
-from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import THESIS_PARTITIONS, FodSurface, thesis_surface
 from smarig.theory import loop_area
 

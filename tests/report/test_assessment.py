@@ -8,7 +8,7 @@ import pytest
 
 from report.pages import run_of, step
 from smarig.diagnosis import Finding
-from smarig.identification import ErrorLevel, error_verdict
+from smarig.identification import ErrorLevel, Verification, error_verdict
 from smarig.plant.effects.walking import walking
 from smarig.report.models.assessment import assessment
 
@@ -76,7 +76,7 @@ def evidence(word, error, *, model=True, holds=True, gains=True):
         best=SimpleNamespace(model=SimpleNamespace(unit="mm", provenance=())) if model else None,
         of=lambda *_: [],
         chosen="table",
-        verifications={"table": SimpleNamespace(runs=(one,), unit="mm")} if one else {},
+        verifications={"table": Verification("model", "mm", (one,))} if one else {},
         diagnosis=diagnosis(word, gains),
     )
 
@@ -165,7 +165,7 @@ def test_the_basis_of_the_choice_is_named(choice, basis):
     found = evidence("silent", "poor")
     found.choice = choice
     nearer = SimpleNamespace(settled=SimpleNamespace(n=5, rms=0.01, nrmse=0.001))
-    found.verifications["constant"] = SimpleNamespace(runs=(nearer,), unit="mm")
+    found.verifications["constant"] = Verification("model", "mm", (nearer,))
     assert f"It was chosen on {basis};" in assessment(found).quality
 
 
@@ -174,7 +174,7 @@ def test_a_surface_that_is_much_nearer_on_the_held_out_run_is_named(other, told)
     found = evidence("silent", "poor")
     found.choice = None
     rms = SimpleNamespace(n=5, rms=other, nrmse=other / 10)
-    found.verifications["constant"] = SimpleNamespace(runs=(SimpleNamespace(settled=rms),), unit="mm")
+    found.verifications["constant"] = Verification("model", "mm", (SimpleNamespace(settled=rms),))
     words = f"on these data the constant model comes nearer, to {other:.3g} mm."
     assert (words in assessment(found).quality) == told
 

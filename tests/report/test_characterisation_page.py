@@ -17,8 +17,8 @@ from smarig.core.errors import UsageError
 from smarig.identification.density_report import density_report
 from smarig.report.characterisation_page import characterisation_page
 from smarig.report.models.assessment import assessment
-from smarig.report.models.loop_figure import loop_figure
-from smarig.report.models.training_run import training_run
+from smarig.report.models.evidence import training_run
+from smarig.report.models.held_out_figures import loop_figure
 
 
 @pytest.fixture(scope="module")

@@ -16,9 +16,8 @@ from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import Event, load_run
 from smarig.report.certificate.certificate_page import certificate_page, certified_model
 from smarig.report.closed_loop.closed_loop_figures import clipped_text, error_half_range
-from smarig.report.closed_loop.closed_loop_text import loop_result_text
+from smarig.report.closed_loop.closed_loop_text import loop_assessment, loop_result_text
 from smarig.report.closed_loop.hold_end import HoldEnd
-from smarig.report.closed_loop.loop_assessment import loop_assessment
 from smarig.report.closed_loop.loop_result import closed_loop_result
 from smarig.report.run_page import run_page
 from smarig.runner.session import Session

@@ -17,11 +17,10 @@ from smarig.report.components.numbers import number
 from smarig.report.model_comparison_page import models_page
 from smarig.report.run_comparison_page import comparison_page
 from smarig.report.runs.comparison_assessment import comparison_assessment
-from smarig.report.runs.earlier_model import _rms_with_zero_of, earlier_model_sentence
-from smarig.report.runs.run_alignment import aligned, common_steps
-from smarig.report.runs.run_change import run_change
+from smarig.report.runs.own_characterisation import _rms_with_zero_of, earlier_model_sentence
+from smarig.report.runs.run_alignment import aligned, common_steps, run_change
 from smarig.report.runs.run_family import family_figures
-from smarig.report.runs.temperature_table import temperature_table
+from smarig.report.transformation.transformation_tables import temperature_table
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 from smarig.transformation import run_figures

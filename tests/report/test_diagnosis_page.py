@@ -15,7 +15,7 @@ from smarig.plant.effect_catalogue import effect_types
 from smarig.report.components.figure import AXIS_MARGIN
 from smarig.report.components.page import write_page
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions, diagnosis_caption
-from smarig.report.diagnosis.residual_axes import half_ranges, symmetric_layout
+from smarig.report.diagnosis.residual_figures import half_ranges, symmetric_layout
 from smarig.report.diagnosis_page import diagnosis_page
 
 

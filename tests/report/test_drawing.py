@@ -13,7 +13,7 @@ from smarig.report.components.page import Section, page
 from smarig.report.components.style import DASHES, SYMBOLS
 from smarig.report.drawing import figures_saved_in, save_figure, svg_of
 from smarig.report.drawing.compact_svg import compact_svg
-from smarig.report.drawing.markup import plain_text
+from smarig.report.drawing.plotly_schema import plain_text
 
 BLUE = "#0072b2"
 LAYOUT = {"xaxis": axis("u (K)"), "yaxis": axis("y (mm)")}

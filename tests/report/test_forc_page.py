@@ -12,8 +12,7 @@ from smarig.core.errors import DataError, UsageError
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.report import forc_page, run_page
-from smarig.report.forc.forc_assessment import forc_assessment
-from smarig.report.forc.forc_evidence import forc_evidence
+from smarig.report.forc.forc_evidence import forc_assessment, forc_evidence
 
 STEP = 3.0
 

@@ -59,7 +59,7 @@ def test_the_replayed_model_goes_through_the_measured_points(both):
 
 def test_a_page_of_ascending_curves_states_that_they_are_ascending(both):
     from smarig.report.models.first_order_figures import curves_figure, parameters_figure
-    from smarig.report.models.surface_figure import surface_figure
+    from smarig.report.models.plane_figures import surface_figure
 
     run, found = both[1]
     figures = [

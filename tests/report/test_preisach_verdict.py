@@ -4,6 +4,7 @@ from types import SimpleNamespace as Some
 
 import pytest
 
+from smarig.identification import Verification
 from smarig.report.characterisation_page import _preisach_notice
 from smarig.report.models.preisach_verdict import preisach_verdict
 
@@ -11,7 +12,7 @@ UNIT = "mm"
 
 
 def verification(rms, floor=0.005):
-    return Some(unit=UNIT, runs=[Some(settled=Some(n=40, rms=rms), noise_floor=floor)])
+    return Verification("model", UNIT, (Some(settled=Some(n=40, rms=rms), noise_floor=floor),))
 
 
 def compared(name="congruency", p_value=0.4, rms=0.004):

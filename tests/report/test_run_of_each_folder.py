@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from smarig.report.runs import run_of_each_folder
-from smarig.report.runs.run_of_each_folder import runs_of_folders
+from smarig.report import folder_contents
+from smarig.report.folder_contents import runs_of_folders
 
 
 @pytest.fixture(autouse=True)
@@ -14,7 +14,7 @@ def _protocol_in_the_name(monkeypatch):
         def __init__(self, file):
             self.info = type("Info", (), {"protocol": file.name.split("_", 1)[1]})
 
-    monkeypatch.setattr(run_of_each_folder, "load_run", Loaded)
+    monkeypatch.setattr(folder_contents, "load_run", Loaded)
 
 
 def folder(day, *protocols):

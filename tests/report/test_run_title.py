@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from smarig.report.components.run_title import titled
+from smarig.report.runs.run_title import titled
 
 MONDAY, TUESDAY = 1.7640e9, 1.7640e9 + 86400
 

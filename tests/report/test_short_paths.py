@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from report.svg_paths import corners_of
-from smarig.report.drawing.short_paths import short_marks, short_paths
+from smarig.report.drawing.compact_svg import short_marks, short_paths
 
 tenths = st.integers(-20_000, 20_000).map(lambda k: k / 10)
 lines = st.lists(st.tuples(tenths, tenths), min_size=1, max_size=30)

@@ -12,8 +12,7 @@ from smarig.record import load_run, stored_run
 from smarig.record.new_run_file import write_run
 from smarig.report import folder_report
 from smarig.report.folder_report import report_folder
-from smarig.report.runs.run_summary import summary_of
-from smarig.report.runs.summary_cache import CACHE_FILE, SummaryCache, file_state
+from smarig.report.runs.run_summary import CACHE_FILE, SummaryCache, file_state, summary_of
 
 META = {
     "source": "twin",

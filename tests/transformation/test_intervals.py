@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from report.pages import unpacked
-from smarig.report.transformation.tangent_figure import tangent_figure
+from smarig.report.transformation.tangent_figures import tangent_figure
 from smarig.transformation import TEMPERATURES, run_figures
 from transformation.known_loops import known_loop, run_of
 

@@ -13,6 +13,12 @@ if TYPE_CHECKING:
     from smarig.identification.calibration.holds import valid_rows as valid_rows
     from smarig.identification.density_report import DensityReport as DensityReport
     from smarig.identification.density_report import density_report as density_report
+    from smarig.identification.error_verdict import BETTER as BETTER
+    from smarig.identification.error_verdict import GOOD_RATIO as GOOD_RATIO
+    from smarig.identification.error_verdict import HARDLY_BETTER as HARDLY_BETTER
+    from smarig.identification.error_verdict import LARGE_PLACE as LARGE_PLACE
+    from smarig.identification.error_verdict import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
+    from smarig.identification.error_verdict import POOR_RATIO as POOR_RATIO
     from smarig.identification.error_verdict import AgainstCurves as AgainstCurves
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorParts as ErrorParts
@@ -21,6 +27,7 @@ if TYPE_CHECKING:
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.extension_names import extension_names as extension_names
+    from smarig.identification.fitted_hysteresis import opposite_senses as opposite_senses
     from smarig.identification.fod_data import FodData as FodData
     from smarig.identification.fod_data import fod_data as fod_data
     from smarig.identification.forc.central_ridge import CentralRidge as CentralRidge
@@ -50,7 +57,6 @@ if TYPE_CHECKING:
     from smarig.identification.measured.measured_hypothesis import condition_table as condition_table
     from smarig.identification.measured.reading_weights import local_slope as local_slope
     from smarig.identification.noise_floor import noise_floor as noise_floor
-    from smarig.identification.output_senses import opposite_senses as opposite_senses
     from smarig.identification.positive.adapted_partition import SAME_LEVEL as SAME_LEVEL
     from smarig.identification.positive.adapted_partition import adapted_nodes as adapted_nodes
     from smarig.identification.positive.observations import Observations as Observations
@@ -64,7 +70,7 @@ if TYPE_CHECKING:
     from smarig.identification.sensing.fit_sensing import identify_sensing as identify_sensing
     from smarig.identification.sensing.sensing_errors import SensingErrors as SensingErrors
     from smarig.identification.sensing.sensing_errors import sensing_errors as sensing_errors
-    from smarig.identification.sensing.sensing_text import sensing_text as sensing_text
+    from smarig.identification.sensing.sensing_errors import sensing_text as sensing_text
     from smarig.identification.surface.choose_surface import INTERVAL_LEVEL as INTERVAL_LEVEL
     from smarig.identification.surface.choose_surface import SIMPLER_TOLERANCE as SIMPLER_TOLERANCE
     from smarig.identification.surface.choose_surface import FittedImage as FittedImage
@@ -81,12 +87,6 @@ if TYPE_CHECKING:
     from smarig.identification.surface.surface_through_states import (
         surface_through_states as surface_through_states,
     )
-    from smarig.identification.verdict_thresholds import BETTER as BETTER
-    from smarig.identification.verdict_thresholds import GOOD_RATIO as GOOD_RATIO
-    from smarig.identification.verdict_thresholds import HARDLY_BETTER as HARDLY_BETTER
-    from smarig.identification.verdict_thresholds import LARGE_PLACE as LARGE_PLACE
-    from smarig.identification.verdict_thresholds import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
-    from smarig.identification.verdict_thresholds import POOR_RATIO as POOR_RATIO
     from smarig.identification.verdict_thresholds import study_sentences as study_sentences
     from smarig.identification.verdict_thresholds import verdict_sentences as verdict_sentences
     from smarig.identification.verification import ONLY_NOISE as ONLY_NOISE

@@ -35,8 +35,8 @@ class DensityReport:
     mu_max_at: Place
     M_PC: bool
     M_P: bool
-    g_min: float
-    reversible_share: float
+    g_min: float = _NAN
+    reversible_share: float = _NAN
     negative_cells: int = 0
     cells: int = 0
 
@@ -60,18 +60,7 @@ def _report(hysteresis: Everett) -> DensityReport:
 def _of_mirrored(hysteresis: Mirrored) -> DensityReport:
     r = density_report(hysteresis.image)
     low, high = ((-b, -a) for a, b in (r.mu_min_at, r.mu_max_at))
-    return DensityReport(
-        mu_min=r.mu_min,
-        mu_min_at=low,
-        mu_max=r.mu_max,
-        mu_max_at=high,
-        M_PC=r.M_PC,
-        M_P=r.M_P,
-        g_min=r.g_min,
-        reversible_share=r.reversible_share,
-        negative_cells=r.negative_cells,
-        cells=r.cells,
-    )
+    return replace(r, mu_min_at=low, mu_max_at=high)
 
 
 @_report.register
@@ -113,25 +102,15 @@ def _of_cells(table: Everett) -> DensityReport:
     inputs = nodes.tolist()
     F = np.array([[table.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
     mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
-    y_lower = abs(
-        float(getattr(table, "y_lower", 0.0))
-    )  # a table stores outputs: a large zero causes rounding of its masses
+    # a table stores outputs: a large zero causes rounding of its masses
+    y_lower = abs(float(getattr(table, "y_lower", 0.0)))
     rounding = 1e-12 * float(np.nanmax(np.abs(F))) + 8 * float(np.finfo(float).eps) * y_lower
     mass = np.where(np.abs(mass) <= rounding, 0.0, mass)
     off_diagonal = np.tri(n - 1, k=-1, dtype=bool)
     width = np.diff(nodes)
     mu = np.where(off_diagonal, mass / (2 * width[:, None] * width), np.nan)
     if not off_diagonal.any():
-        return DensityReport(
-            mu_min=_NAN,
-            mu_min_at=(_NAN, _NAN),
-            mu_max=_NAN,
-            mu_max_at=(_NAN, _NAN),
-            M_PC=True,
-            M_P=True,
-            g_min=_NAN,
-            reversible_share=_NAN,
-        )
+        return DensityReport(_NAN, (_NAN, _NAN), _NAN, (_NAN, _NAN), M_PC=True, M_P=True)
     middle = (nodes[1:] + nodes[:-1]) / 2
     i, j = np.unravel_index(int(np.nanargmin(mu)), mu.shape)
     k, m = np.unravel_index(int(np.nanargmax(mu)), mu.shape)
@@ -143,8 +122,6 @@ def _of_cells(table: Everett) -> DensityReport:
         mu_max_at=(float(middle[k]), float(middle[m])),
         M_PC=False,
         M_P=negative == 0,
-        g_min=_NAN,
-        reversible_share=_NAN,
         negative_cells=negative,
         cells=int(off_diagonal.sum()),
     )

@@ -1,21 +1,19 @@
-"""The hysteresis of one kind fitted to the data of runs: a surface of (5.5), a table, or a positive measure."""
+"""The hysteresis of one kind fitted to the data of runs: a surface of (5.5), a table, or a positive measure.
+
+Whether the output of runs rises with the input in some of them and falls in others, which no one measure gives.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from smarig.core import Array, DataError, spaced
+from smarig.core import Array, DataError, correlation, spaced
 from smarig.identification.density_report import DensityReport, density_report
-from smarig.identification.fod_data import FodData
+from smarig.identification.fod_data import FodData, table
 from smarig.identification.forc.forc_curves import curves_from_run
-from smarig.identification.output_senses import (
-    LEAST_CORRELATION,
-    largest_correlation,
-    opposite_senses,
-    senses_of_branches,
-)
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.run_zeros import spread_about_zeros, with_own_zeros
@@ -26,9 +24,9 @@ from smarig.identification.surface.fit_figures import (
     surface_figures,
     surface_warnings,
 )
-from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit
 from smarig.identification.sweeps.heating_of_sweeps import sweep_nodes
+from smarig.measurement import reversals
 from smarig.preisach import FodSurface, FodTable, ForcTable
 from smarig.record import FORC_PROTOCOL, Run
 
@@ -160,3 +158,39 @@ def check_usable(y: Array, alpha: Array, unit: str) -> None:
         raise DataError(
             f"The output is {y[0]:g}{spaced(unit)} at every point. There is no motion to identify."
         )
+
+
+LEAST_CORRELATION = 0.3  # of output and input: with a smaller one, the output does not follow its input
+
+
+def largest_correlation(runs: Sequence[Run]) -> float:
+    """The largest absolute correlation of inputs and outputs within a run."""
+    return max((abs(_correlation(*run.points())) for run in runs), default=0.0)
+
+
+def opposite_senses(runs: Sequence[Run]) -> str:
+    """A clause that names the runs in which the output rises with the input and those in which it falls; "" if it does
+    the same in all.
+    """
+    rises, falls = (
+        [run.name for run in runs if sign * _correlation(*run.points()) > LEAST_CORRELATION]
+        for sign in (1, -1)
+    )
+    if not rises or not falls:
+        return ""
+    return f"the output rises with the input in {', '.join(rises)} and falls in {', '.join(falls)}"
+
+
+def senses_of_branches(runs: Sequence[Run]) -> str:
+    """The same of the branches of a run, in which a variable that is not used may have changed."""
+    for run in runs:
+        u, y = run.points()
+        found = [_correlation(u[a : b + 1], y[a : b + 1]) for a, b in pairwise(reversals(u))]
+        if min(found) < -LEAST_CORRELATION and max(found) > LEAST_CORRELATION:
+            return f"the output rises with the input on some branches of {run.name} and falls on others"
+    return ""
+
+
+def _correlation(u: Array, y: Array) -> float:
+    moves = u.size > 2 and np.ptp(u) > 0 and np.ptp(y) > 0
+    return correlation(u, y) if moves else 0.0

@@ -3,6 +3,10 @@
 A point (α, β, y) belongs to FOD data if the memory is negative saturation and at most one maximum: on the rising
 major branch it is (u, u), falling from a maximum α it is (α, u). First-order ascending data (from positive
 saturation, §4.2) is the same in the mirror (u, y) → (−u, −y), and so are first-order reversal curves of magnetism.
+
+FOD data as an interpolating hysteresis: a table on one partition, or a table of curves.
+
+There is no fit and no noise model: the measured values are reproduced exactly.
 """
 
 from collections.abc import Sequence
@@ -13,7 +17,7 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, UsageError
 from smarig.identification.point_selection import matches
-from smarig.preisach import State
+from smarig.preisach import FodTable, ForcCurve, ForcTable, State
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay import MemoryHistory, memory_histories
 
@@ -237,3 +241,23 @@ def _assembled(rows: list[_FodRow], ends: tuple[float, float], unit: str, mirror
     curve, run, point = table[:, 3:].T.astype(np.int64)
     top = np.max(alpha, initial=-np.inf)
     return FodData(alpha, beta, y, curve, (alpha == beta) | (alpha == top), run, point, unit, *ends, mirrored)
+
+
+def table(data: FodData) -> FodTable | ForcTable:
+    """``FodTable`` if every β ≤ α of one partition was measured, else ``ForcTable`` of the curves."""
+    try:
+        return FodTable.from_arrays(*data.as_table(), unit=data.unit)
+    except DataError:  # irregular: curves with points of their own
+        return curve_table(data)
+
+
+def curve_table(data: FodData) -> ForcTable:
+    """Table of the curves, each from its peak down; repeated readings and repeated curves are averaged."""
+    curves = []
+    for alpha in np.unique(data.alpha):
+        mine = data.alpha == alpha
+        beta, where = np.unique(data.beta[mine], return_inverse=True)
+        y = np.bincount(where, data.y[mine]) / np.bincount(where)
+        if beta[-1] == alpha and beta.size > 1:
+            curves.append(ForcCurve(float(alpha), beta[::-1], y[::-1]))
+    return ForcTable.from_curves(curves, unit=data.unit)

@@ -1,6 +1,8 @@
 """The result of an identification: the model and its evidence."""
 
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -11,15 +13,17 @@ from smarig.identification.error_verdict import ErrorLevel, ErrorVerdict, error_
 from smarig.identification.extended.choose_extension import ExtensionChoice
 from smarig.identification.fod_data import FodData
 from smarig.identification.measured.load_dependence import LoadDependence
+from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.positive.positive_fit import PositiveFit
 from smarig.identification.repeatability import Repeatability
-from smarig.identification.rows_used import RowsUsed
+from smarig.identification.rows_used import RowsUsed, early_end_warnings
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.curve_report import CurveReport
 from smarig.identification.surface.fit_figures import plain
 from smarig.identification.surface.surface_fit import SurfaceFit
 from smarig.identification.sweeps.heating_of_sweeps import HeatingOfSweeps
-from smarig.replay import Model
+from smarig.record import Run
+from smarig.replay import Model, model_metadata, pooled_conditions, provenance
 
 NOT_TESTED = "at the noise floor, but not tested: too few curves to hold one out"
 
@@ -145,3 +149,34 @@ class Identification(NotebookDisplay):
             f"Identification({self.surface} from {fit['points']} points {where}: "
             f"rms {fit['rms']:.3g}{spaced(self.model.unit)}{held_out}; {d!r}; {len(self.warnings)} warning(s))"
         )
+
+
+def model_of_runs(
+    words: str,
+    given: Sequence[Run],
+    used: Sequence[Run],
+    warnings: Iterable[str],
+    *,
+    varied: Collection[str] = (),
+    **fields: Any,
+) -> Model:
+    """The model of runs as they were ``given``, and as they were ``used``; ``words`` follow its wire in its name.
+
+    ``fields``: what was identified. ``varied``: the conditions of the runs that it depends on.
+    """
+    floor = noise_floor(used)
+    return Model(
+        name=f"{used[0].info.wire or used[0].name} {words}",
+        noise_floor=noise_record(floor),
+        provenance=tuple(provenance(run) for run in given),
+        twin=any(run.twin for run in used),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        warnings=(
+            *early_end_warnings(given),
+            *warnings,
+            *floor.warnings,
+            *pooled_conditions(used, varied),
+        ),
+        **fields,
+        **model_metadata(used),
+    )

@@ -6,7 +6,6 @@ protocol.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, UsageError, suggestion
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
-from smarig.identification.early_ends import early_end_warnings
 from smarig.identification.extended.choose_extension import choose_extension
 from smarig.identification.extended.extension_names import NONE, extension_names
 from smarig.identification.fitted_hysteresis import (
@@ -25,9 +23,8 @@ from smarig.identification.fitted_hysteresis import (
 )
 from smarig.identification.fod_data import FodData, first_order_points, fod_data
 from smarig.identification.fod_data import select as selected
-from smarig.identification.identification_result import Identification
+from smarig.identification.identification_result import Identification, model_of_runs
 from smarig.identification.identify_loads import check_load_settings, identify_loads
-from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.positive.positive_fit import PositiveFit
 from smarig.identification.rows_used import rows_of_runs, without_dropouts
 from smarig.identification.run_zeros import (
@@ -38,24 +35,19 @@ from smarig.identification.run_zeros import (
 from smarig.identification.surface.choose_surface import (
     choose_surface,
 )
-from smarig.identification.surface.curve_report import curve_report
-from smarig.identification.surface.moving_readings import motion_within_a_tick
+from smarig.identification.surface.curve_report import curve_report, motion_within_a_tick, twin_crossing_note
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
 from smarig.identification.sweeps.heating_of_sweeps import (
     heating_of_sweeps,
     with_fitted_inputs,
 )
-from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import Everett, Mirrored, surface_forms
 from smarig.record import OWN_ZERO, Run, Runs, counted, loaded_runs
 from smarig.replay import (
     Model,
     file_hash,
     load_model,
-    model_metadata,
-    pooled_conditions,
-    provenance,
 )
 
 STILL_COUNTS = 3.0  # a sensor that stands still scatters over two
@@ -118,30 +110,8 @@ def identify(
         found = fitted_surface(loaded, data, fit, select, weights)
     # from all points: a selection does not show the range
     curves = curve_report(everything, motion_within_a_tick(loaded, everything))
-    fit, floor = found.fit, noise_floor(loaded)
-    late = _unsettled_warning(loaded, data, found)
-    model = Model(
-        name=f"{loaded[0].info.wire or loaded[0].name} {kind}",
-        hysteresis=Mirrored(found.image) if found.mirrored else found.image,
-        mirrored=found.mirrored,
-        fit=found.figures,
-        noise_floor=noise_record(floor),
-        provenance=tuple(provenance(run) for run in given),
-        twin=any(run.twin for run in loaded),
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
-        parameters=fit.names if fit else (),
-        covariance=fit.covariance if fit else np.empty((0, 0)),
-        intervals=fit.intervals if fit else {},
-        warnings=(
-            *early_end_warnings(given),
-            *curves.warnings,
-            *found.warnings,
-            *late,
-            *floor.warnings,
-            *pooled_conditions(loaded),
-        ),
-        **model_metadata(loaded),
-    )
+    warnings = (*curves.warnings, *found.warnings, *_unsettled_warning(loaded, data, found))
+    model = _model(kind, found, given, loaded, warnings)
     model = heating.model(model) if heating else model
     remarks = assumed_starts_text(assumed_starts(model, loaded), model.unit)
     if found.positive and select is None and zeros_disagree(model, loaded):
@@ -150,7 +120,7 @@ def identify(
         model=replace(model, warnings=(*remarks, *model.warnings)),
         surface=kind,
         data=data,
-        fit=fit,
+        fit=found.fit,
         density=found.density,
         curves=curves,
         choice=choice,
@@ -162,6 +132,24 @@ def identify(
     if extension == NONE:
         return plain
     return _extended(plain, loaded, extension, anchor, weights, symmetric, slopes)
+
+
+def _model(
+    kind: str, found: FittedHysteresis, given: Sequence[Run], used: Sequence[Run], warnings: tuple[str, ...]
+) -> Model:
+    fit = found.fit
+    return model_of_runs(
+        kind,
+        given,
+        used,
+        warnings,
+        hysteresis=Mirrored(found.image) if found.mirrored else found.image,
+        mirrored=found.mirrored,
+        fit=found.figures,
+        parameters=fit.names if fit else (),
+        covariance=fit.covariance if fit else np.empty((0, 0)),
+        intervals=fit.intervals if fit else {},
+    )
 
 
 def _known_hysteresis(reference: Model | str | Path | None) -> Everett | None:

@@ -2,36 +2,28 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 
 import numpy as np
 
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.density_report import density_report
-from smarig.identification.early_ends import early_end_warnings
 from smarig.identification.extended.extension_names import NONE
 from smarig.identification.fod_data import first_order_points
-from smarig.identification.identification_result import Identification
+from smarig.identification.identification_result import Identification, model_of_runs
 from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence
 from smarig.identification.measured.reading_plan import reading_plan
 from smarig.identification.measured.zero_by_load import zero_slope
-from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.rows_used import THINNED, rows_used
-from smarig.identification.surface.curve_report import curve_report
+from smarig.identification.surface.curve_report import curve_report, motion_within_a_tick
 from smarig.identification.surface.fit_figures import error_figures
-from smarig.identification.surface.moving_readings import motion_within_a_tick
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND
 from smarig.measurement import InputRecord
 from smarig.preisach import FodTable
 from smarig.record import Run
 from smarig.replay import (
-    Model,
     TemperatureSource,
     driven_by_input,
     load_records,
-    model_metadata,
-    pooled_conditions,
-    provenance,
     stress_of_samples,
     temperature_source,
     with_wire_temperature,
@@ -68,25 +60,18 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     table = found.hysteresis
     falls = table.values[-1, -1] < table.y_lower
     density = density_report(FodTable(table.nodes, -table.values, table.unit) if falls else table)
-    curves, floor = curve_report(data, motion_within_a_tick(runs, data)), noise_floor(runs)
+    curves = curve_report(data, motion_within_a_tick(runs, data))
     figures = error_figures(found.error, np.zeros(found.error.size, dtype=bool), 1.0)
-    model = Model(
-        name=f"{runs[0].info.wire or runs[0].name} by {condition}",
+    model = model_of_runs(
+        f"by {condition}",
+        everything,
+        runs,
+        _warnings(found),
+        varied={condition},
         hysteresis=table,
         mirrored=False,
         fit={**figures, "points": found.error.size, "select": None, "load": found.to_json()},
-        noise_floor=noise_record(floor),
-        provenance=tuple(provenance(run) for run in everything),
-        twin=any(run.twin for run in runs),
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
-        warnings=(
-            *early_end_warnings(everything),
-            *_warnings(found),
-            *floor.warnings,
-            *pooled_conditions(runs, {condition}),
-        ),
         measurement={**found.part.to_json(), **({"temperature": source} if source else {})},
-        **model_metadata(runs),
     )
     if changing:
         reference_MPa = next(e for e in found.part.effects if e.kind.by_condition).values["reference"]

@@ -1,4 +1,4 @@
-"""The rows of each run that an identification used, and why it left out the others."""
+"""Which rows of runs an identification used, and which runs ended before their protocol did."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -102,3 +102,14 @@ def rows_of_runs(
     every = [_measured(run) for run in runs]
     on_curves = [int(np.sum(data.run == k)) for k in range(len(runs))]
     return rows_used(runs, every, on_curves, NOT_ON_CURVES if select is None else NOT_SELECTED)
+
+
+def early_end_warnings(runs: Sequence[Run]) -> list[str]:
+    """A sentence for each run that a trip, a fault or a request ended, with the time of its last row and the cause."""
+    return [_warning(run) for run in runs if run.info.end is not None and run.early_end]
+
+
+def _warning(run: Run) -> str:
+    known = run["t_s"][np.isfinite(run["t_s"])]
+    when = f" at {known[-1]:.1f} s" if known.size else ""
+    return f"{run.name} ended early{when}: {run.early_end}. The model describes only the rows before."

@@ -71,6 +71,11 @@ class RunVerification:
     in_loop: int | None = None
 
     @property
+    def error(self) -> Array:
+        """Measured − predicted (k,); NaN at points that do not count."""
+        return np.where(self.counted, self.measured - self.predicted, np.nan)
+
+    @property
     def verdict(self) -> ErrorVerdict:
         """How the error compares with the noise of the readings."""
         parts = ErrorParts(doubtful=self.in_loop == 0)
@@ -101,6 +106,22 @@ class Verification(NotebookDisplay):
     model: str
     unit: str
     runs: tuple[RunVerification, ...]
+
+    @property
+    def points(self) -> int:
+        """The number of points that count, over all runs."""
+        return sum(run.settled.n for run in self.runs)
+
+    @property
+    def rms(self) -> float | None:
+        """rms error over the points of all runs; None without any."""
+        squares = sum(run.settled.n * run.settled.rms**2 for run in self.runs)
+        return float(np.sqrt(squares / self.points)) if self.points else None
+
+    @property
+    def noise_floor(self) -> float | None:
+        """The largest noise floor of the runs; None if none is known."""
+        return max((run.noise_floor for run in self.runs if run.noise_floor), default=None)
 
     def to_json(self) -> dict[str, Any]:
         """{"unit", "runs": [{"run", "n", "rms", "nrmse", "max_abs", "noise_floor", …}]}."""

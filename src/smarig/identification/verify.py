@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from smarig.core import Array, DataError, UsageError, root_mean_square
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.fod_data import first_order_points
-from smarig.identification.known_offset import known_offset
 from smarig.identification.measured.load_dependence import expected_rms, is_far
 from smarig.identification.measured.zero_by_load import fitted_zero_slope, zero_slope_of
 from smarig.identification.noise_floor import NoiseFloor, noise_floor
 from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
-from smarig.identification.run_zeros import has_own_zero
+from smarig.identification.run_zeros import has_own_zero, known_offset
 from smarig.identification.verification import PredictionErrors, RunVerification, Verification
 from smarig.measurement import input_noise_sd
 from smarig.preisach import Preisach

@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from smarig.report.certificate.certificate_page import certificate_units as certificate_units
     from smarig.report.certificate.certificate_page import certified_model as certified_model
     from smarig.report.characterisation_page import characterisation_page as characterisation_page
-    from smarig.report.characterisation_summary import characterisation_summary as characterisation_summary
     from smarig.report.closed_loop.closed_loop_text import loop_result_text as loop_result_text
     from smarig.report.closed_loop.loop_result import closed_loop_result as closed_loop_result
     from smarig.report.closed_loop.loop_result import is_closed_loop as is_closed_loop
@@ -21,8 +20,8 @@ if TYPE_CHECKING:
     from smarig.report.components.figure import Panel as Panel
     from smarig.report.components.figure import axis as axis
     from smarig.report.components.figure import dots as dots
+    from smarig.report.components.figure import figure_with_text as figure_with_text
     from smarig.report.components.figure import line as line
-    from smarig.report.components.figure_with_text import figure_with_text as figure_with_text
     from smarig.report.components.html import Html as Html
     from smarig.report.components.html import bullets as bullets
     from smarig.report.components.html import cards as cards
@@ -47,18 +46,19 @@ if TYPE_CHECKING:
     from smarig.report.components.run_description import input_title as input_title
     from smarig.report.components.run_description import output_title as output_title
     from smarig.report.components.run_description import source_label as source_label
-    from smarig.report.components.run_title import titled as titled
     from smarig.report.components.thumbnail import thumbnail as thumbnail
-    from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS as SEVERITY_LEVELS
+    from smarig.report.diagnosis.verdict_text import SEVERITY_LEVELS as SEVERITY_LEVELS
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in
     from smarig.report.folder_contents import model_name as model_name
     from smarig.report.folder_contents import model_summary as model_summary
+    from smarig.report.folder_contents import runs_of_folders as runs_of_folders
     from smarig.report.folder_report import INDEX_FILE as INDEX_FILE
     from smarig.report.folder_report import page_path as page_path
     from smarig.report.folder_report import report_folder as report_folder
     from smarig.report.folder_report import run_files as run_files
     from smarig.report.forc_page import forc_page as forc_page
+    from smarig.report.measured_diagnosis_page import thermal_diagnosis_page as thermal_diagnosis_page
     from smarig.report.model_comparison_page import models_page as models_page
     from smarig.report.models.assessment import assessment as assessment
     from smarig.report.models.evidence import Evidence as Evidence
@@ -70,19 +70,19 @@ if TYPE_CHECKING:
     from smarig.report.run_page import run_page as run_page
     from smarig.report.runs.derived_quantities import derived_quantities as derived_quantities
     from smarig.report.runs.run_assessment import run_assessment as run_assessment
-    from smarig.report.runs.run_of_each_folder import runs_of_folders as runs_of_folders
     from smarig.report.runs.run_summary import RunSummary as RunSummary
     from smarig.report.runs.run_summary import summary_of as summary_of
     from smarig.report.runs.run_summary import summary_with_loop as summary_with_loop
+    from smarig.report.runs.run_title import titled as titled
+    from smarig.report.summary_page import characterisation_summary as characterisation_summary
     from smarig.report.summary_page import summary_page as summary_page
-    from smarig.report.thermal_diagnosis_page import thermal_diagnosis_page as thermal_diagnosis_page
-    from smarig.report.transformation.tangent_figure import tangent_figure as tangent_figure
+    from smarig.report.transformation.tangent_figures import stress_figure as stress_figure
+    from smarig.report.transformation.tangent_figures import tangent_figure as tangent_figure
     from smarig.report.transformation.transformation_tables import branches_text as branches_text
     from smarig.report.transformation.transformation_tables import figure_name as figure_name
     from smarig.report.transformation.transformation_tables import figures_table as figures_table
     from smarig.report.transformation.transformation_tables import runs_table as runs_table
     from smarig.report.transformation.transformation_tables import stress_table as stress_table
-    from smarig.report.transformation.trend_figures import stress_figure as stress_figure
     from smarig.report.transformation_page import transformation_page as transformation_page
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -13,11 +13,10 @@ from smarig.report.components.run_description import count_size, protocol_name, 
 from smarig.report.diagnosis.verdict_text import findings
 from smarig.report.models.assessment import assessment
 from smarig.report.models.characterisation_cards import characterisation_cards, model_recommendation
-from smarig.report.models.density_figures import density_figure, maps_figure
-from smarig.report.models.evidence import Evidence
+from smarig.report.models.evidence import Evidence, training_run
 from smarig.report.models.first_order_figures import curves_figure, parameters_figure, replay_figure
+from smarig.report.models.held_out_figures import loop_figure, validation_figure
 from smarig.report.models.identification_plot_data import density_report_of
-from smarig.report.models.loop_figure import loop_figure
 from smarig.report.models.model_tables import (
     M_P,
     calibration_table,
@@ -25,18 +24,16 @@ from smarig.report.models.model_tables import (
     errors_table,
     parameters_table,
 )
+from smarig.report.models.plane_figures import density_figure, maps_figure, surface_figure
 from smarig.report.models.preisach_verdict import preisach_verdict
-from smarig.report.models.surface_figure import surface_figure
-from smarig.report.models.temperature_cards import temperature_cards
 from smarig.report.models.tradeoff_figure import tradeoff_figure
-from smarig.report.models.training_run import training_run
-from smarig.report.models.validation_figure import validation_figure
 from smarig.report.run_page import ending_notices, representation_notice, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.representation_figure import representation_figure
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
+from smarig.report.transformation.transformation_tables import narrowest_temperature_cards
 
 _REST_COUNTS = 4.0
 Parts = Iterator[Html | Figure]
@@ -74,7 +71,7 @@ def _first_screen(e: Evidence) -> Parts:
     if figure:
         yield figure
     yield characterisation_cards(e)
-    temperatures, source = temperature_cards(e.runs.values())
+    temperatures, source = narrowest_temperature_cards(e.runs.values())
     if source:
         yield temperatures
         yield paragraph(source.strip())

@@ -8,21 +8,24 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.numbers import duration
 from smarig.report.components.page import Section, page
-from smarig.report.components.run_description import display_unit, protocol_name, source_label
-from smarig.report.components.run_title import titled
+from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.diagnosis.compared_causes import compared_causes
-from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
-from smarig.report.diagnosis.diagnosis_summary import summary
+from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions, noise_budget
 from smarig.report.diagnosis.gain_figure import gain_figure
 from smarig.report.diagnosis.learned_law_figure import commanded_law_figure
-from smarig.report.diagnosis.noise_budget import noise_budget
 from smarig.report.diagnosis.residual_figures import residual_figure
-from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS
-from smarig.report.diagnosis.verdict_text import distinguishing_text, next_experiment, verdict_sentence
+from smarig.report.diagnosis.verdict_text import (
+    SEVERITY_LEVELS,
+    distinguishing_text,
+    next_experiment,
+    summary,
+    verdict_sentence,
+)
 from smarig.report.measured_diagnosis_page import measured_diagnosis_page
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.run_summary import summary_with_loop
-from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
+from smarig.report.runs.run_tables import record_parts
+from smarig.report.runs.run_title import titled
 
 Parts = Iterator[Html | Figure]
 
@@ -89,13 +92,8 @@ def _held_out(d: CommandedDiagnosis) -> Parts:
 
 
 def _provenance(d: CommandedDiagnosis) -> Parts:
-    runs = {f"{k}. {protocol_name(run)}": run for k, run in enumerate(d.timeline.runs, start=1)}
-    yield conditions_table(d.timeline.runs[0])
-    yield quality_table(runs)
-    yield provenance_table(runs)
-    yield paragraph(
-        f"The runs above are the training runs. Model {d.model.name}. Computed in {duration(d.seconds)}."
-    )
+    words = f"The runs above are the training runs. Model {d.model.name}. Computed in {duration(d.seconds)}."
+    yield from record_parts(d.timeline.runs, words)
 
 
 _SECTIONS = (

@@ -1,18 +1,22 @@
-"""What a folder holds besides runs: pages that smarig wrote, and models, each with a summary for the index."""
+"""What a folder holds besides runs: pages that smarig wrote, and models; and which of its runs is compared with others.
 
-from collections.abc import Collection
+Of several folders the run of one protocol that all of them hold is compared. A folder of ``characterise`` begins with
+an initialisation, which hardly heats the wire: it shows nothing of the loops.
+"""
+
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from smarig.core import SmarigError, leads_out, natural_order, spaced
+from smarig.record import load_run
 from smarig.replay import Model, load_model
 from smarig.report.components.numbers import number
 from smarig.report.components.page_summary import FoundPage, PageSummary, found_page
 from smarig.report.components.run_description import display_unit
-from smarig.report.models.identification_plot_data import hysteresis_description
-from smarig.report.models.model_loops import model_loops
+from smarig.report.models.identification_plot_data import hysteresis_description, model_loops
 
 MODEL_ENDING = "model.json"
 _POINTS_PER_BRANCH = 20
@@ -82,3 +86,25 @@ def model_name(file: Path, folder: Path) -> str:
     """The name of a model: of its file, or of its folder where the file is called model.json."""
     name = file.name.removesuffix(".json").removesuffix(".model")
     return f"{file.parent.name}/{name}" if name in ("model", "extended") and file.parent != folder else name
+
+
+_BEST_FIRST = (
+    "first_order_descending",
+    "first_order_ascending",
+    "validation",
+)  # by what they show of the loops
+_SHOWS_NO_LOOP = "initialise"
+
+
+def runs_of_folders(folders: Sequence[Sequence[Path]]) -> tuple[list[Path], str]:
+    """The files to compare, and the protocol that they share.
+
+    Without one that each folder holds, all files that show loops, or simply all, and "".
+    """
+    protocols = [{file: load_run(file).info.protocol or "" for file in files} for files in folders]
+    common = set.intersection(*({*one.values()} for one in protocols)) - {_SHOWS_NO_LOOP, ""}
+    if not common:
+        every = [(file, protocol) for one in protocols for file, protocol in one.items()]
+        return [file for file, protocol in every if protocol != _SHOWS_NO_LOOP] or [f for f, _ in every], ""
+    shared = next((p for p in _BEST_FIRST if p in common), min(common))
+    return [next(file for file, protocol in one.items() if protocol == shared) for one in protocols], shared

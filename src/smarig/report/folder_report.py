@@ -16,8 +16,7 @@ from smarig.record import Run, load_run, stored_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
 from smarig.report.folder_contents import folder_contents
 from smarig.report.index_page import IndexEntry, ResultEntry, index_page
-from smarig.report.runs.run_summary import RunSummary, summary_of
-from smarig.report.runs.summary_cache import CACHE_FILE, SummaryCache, file_state
+from smarig.report.runs.run_summary import CACHE_FILE, RunSummary, SummaryCache, file_state, summary_of
 
 INDEX_FILE = "index.html"
 

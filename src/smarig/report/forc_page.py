@@ -24,8 +24,7 @@ from smarig.report.forc.diagram_figures import (
     planes_figure,
     smoothings_figure,
 )
-from smarig.report.forc.forc_assessment import forc_assessment
-from smarig.report.forc.forc_evidence import ForcEvidence, forc_evidence
+from smarig.report.forc.forc_evidence import ForcEvidence, forc_assessment, forc_evidence
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table, settings_text

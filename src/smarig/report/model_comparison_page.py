@@ -10,26 +10,25 @@ from smarig.core import spaced
 from smarig.identification import PredictionErrors, RunVerification, density_report, verify
 from smarig.record import Run
 from smarig.replay import Model, simulate_samples, with_heating_of
-from smarig.report.components.assessment_box import box_level
 from smarig.report.components.comparison_labels import banner, check_comparable_count
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, error_ground, line
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import number, runs_text
 from smarig.report.components.page import Section, page
+from smarig.report.components.page_summary import box_level
 from smarig.report.components.run_description import (
     count_size,
     display_unit,
     input_title,
-    output_title,
+    loop_axes,
     run_caption,
     source_label,
 )
-from smarig.report.components.style import COMPARED, DASHES, GREY, INK, MEASURED, SYMBOLS
-from smarig.report.models.density_figures import map_panel, per_square
+from smarig.report.components.style import COMPARED, DASHES, INK, MEASURED, SYMBOLS
 from smarig.report.models.identification_plot_data import density_of, hysteresis_description
 from smarig.report.models.model_tables import M_P, M_PC
+from smarig.report.models.plane_figures import map_panel, per_square
 from smarig.report.run_page import ending_notices
-from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.run_comparison_figures import coloured_name
 from smarig.report.runs.run_tables import provenance_table, quality_table
 from smarig.report.runs.sample_path import sample_path
@@ -70,11 +69,8 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
         f"Models on the same runs: {', '.join(models)}" if len(models) > 1 else f"Model {next(iter(models))}"
     )
     notices = ending_notices(list(runs.values()))
-    return page(title, _lead(runs), sections, label=label, simulated=words, notices=notices)
-
-
-def _lead(runs: Mapping[str, Run]) -> str:
-    return f"Verified on {', '.join(Path(name).name for name in runs)}"
+    lead = f"Verified on {', '.join(Path(name).name for name in runs)}"
+    return page(title, lead, sections, label=label, simulated=words, notices=notices)
 
 
 def _errors(verifications: _Verifications, unit: str) -> Html:
@@ -183,7 +179,7 @@ def residuals_figure(
     thin = slice(None, None, -(-order.size // _MOST_MARKS))
     data = loop_traces(run, models, verifications) or _point_traces(verifications, thin)
     x_title = "Settled point, in order of measurement"
-    first = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+    first = loop_axes(run)
     unit, floor = display_unit(run.unit), one.noise_floor
     sizes = "; ".join(
         f"{m}: rms {number(e.settled.rms)}{spaced(unit)}, n = {e.settled.n}" for m, e in verifications.items()
@@ -250,12 +246,9 @@ def _drawn_points(data: Sequence[Trace]) -> bool:
 def _residual_panel(
     verifications: Mapping[str, RunVerification], x: np.ndarray, title: str, unit: str, floor: float | None
 ) -> Panel:
-    low, high = float(np.min(x)), float(np.max(x))
-    data: list[Trace] = [noise_band(low, high, 2 * floor, "± 2 σ of the noise floor")] if floor else []
-    data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
+    data = error_ground(x, floor)
     for k, (model, each) in enumerate(verifications.items()):
-        error = np.where(each.counted, each.measured - each.predicted, np.nan)
-        data.append(dots(x, error, model, COMPARED[k], symbol=SYMBOLS[k], size=6))
+        data.append(dots(x, each.error, model, COMPARED[k], symbol=SYMBOLS[k], size=6))
     return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Measured − model ({unit})")}, 360)
 
 

@@ -17,7 +17,7 @@ from smarig.identification import Identification, Verification, density_report, 
 from smarig.record import Run
 from smarig.replay import Model, simulate_samples, with_heating_of
 from smarig.report.components.decimate import path
-from smarig.report.components.figure import Panel, Trace, axis, dots, line
+from smarig.report.components.figure import Panel, Trace, axis, dots, error_ground, line
 from smarig.report.components.html import Html, bullets, joined, table, tag
 from smarig.report.components.numbers import number, runs_text
 from smarig.report.components.run_description import (
@@ -27,6 +27,7 @@ from smarig.report.components.run_description import (
     output_title,
     protocol_name,
     source_label,
+    with_unit,
 )
 from smarig.report.components.style import COMPARED, INK, MEASURED, MODEL, SYMBOLS
 from smarig.report.components.thumbnail import thumbnail
@@ -34,18 +35,17 @@ from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
 from smarig.report.diagnosis.residual_figures import residual_figure
 from smarig.report.diagnosis.verdict_text import findings
 from smarig.report.drawing import draw_on
-from smarig.report.models.density_figures import map_panel
 from smarig.report.models.identification_plot_data import (
     density_of,
     hysteresis_description,
     measured_curves,
     model_curves,
+    model_loops,
 )
-from smarig.report.models.model_loops import model_loops
-from smarig.report.runs.representation_figure import noise_band
+from smarig.report.models.plane_figures import map_panel
 from smarig.report.runs.run_summary import summary_of
 from smarig.report.runs.sample_path import sample_path
-from smarig.report.transformation.tangent_figure import tangent_figure
+from smarig.report.transformation.tangent_figures import tangent_figure
 from smarig.transformation import TransformationResult
 
 _POINTS = 1200
@@ -63,7 +63,7 @@ def plot(thing: Any, model: Model | None = None, *, ax: Any = None) -> Any:
     ``figure.write_html(path)`` saves it. With ``ax``, Matplotlib axes, the figure is drawn on them, and they are
     returned. Raises UsageError for any other object.
     """
-    drawn = _drawn(thing, model)
+    drawn = _run_drawn(thing, model) if isinstance(thing, Run) else _drawn(thing)
     if ax is not None:
         if not (hasattr(ax, "plot") and hasattr(ax, "yaxis")):
             raise UsageError(
@@ -86,16 +86,14 @@ class _Drawn:
 
 
 @singledispatch
-def _drawn(thing: Any, model: Model | None = None) -> _Drawn:
-    del model
+def _drawn(thing: Any) -> _Drawn:
     raise UsageError(
         f"An object of type {type(thing).__name__} cannot be plotted. Pass a run, a model, a diagnosis, or what "
         "identify or verify returned."
     )
 
 
-@_drawn.register
-def _run_drawn(thing: Run, model: Model | None = None) -> _Drawn:
+def _run_drawn(thing: Run, model: Model | None) -> _Drawn:
     inputs, outputs = thing.points()
     name = f"measured ({'twin' if thing.twin else thing.info.text_of('source', 'measured')})"
     kept = sample_path(thing["input"], thing["position"], count_size(thing))
@@ -126,8 +124,7 @@ def _model_traces(run: Run, model: Model, kept: NDArray[np.intp] | None) -> list
 
 
 @_drawn.register
-def _model_drawn(thing: Model, model: Model | None = None) -> _Drawn:
-    del model
+def _model_drawn(thing: Model) -> _Drawn:
     hysteresis = thing.hysteresis
     units = (thing.unit, thing.input.unit)
     panel = map_panel("", density_of(hysteresis), density_report(hysteresis), units)
@@ -136,8 +133,7 @@ def _model_drawn(thing: Model, model: Model | None = None) -> _Drawn:
 
 
 @_drawn.register
-def _identification_drawn(thing: Identification, model: Model | None = None) -> _Drawn:
-    del model
+def _identification_drawn(thing: Identification) -> _Drawn:
     if not len(thing.data):
         return _model_drawn(thing.model)
     lines = [line(curve.u, curve.y, "model", MODEL, width=1.2) for curve in model_curves(thing)]
@@ -145,8 +141,8 @@ def _identification_drawn(thing: Identification, model: Model | None = None) -> 
     data = [trace | {"showlegend": k == 0} for traces in (lines, points) for k, trace in enumerate(traces)]
     described = thing.model
     layout = {
-        "xaxis": axis(_titled(described.input.quantity, described.input.unit)),
-        "yaxis": axis(_titled(described.output.quantity, described.unit)),
+        "xaxis": axis(with_unit(capitalised(described.input.quantity or "value"), described.input.unit)),
+        "yaxis": axis(with_unit(capitalised(described.output.quantity or "value"), described.unit)),
         "showlegend": True,
     }
     words = f"First-order curves and the {thing.surface} model, {thing.fit_verdict.text}"
@@ -154,28 +150,24 @@ def _identification_drawn(thing: Identification, model: Model | None = None) -> 
 
 
 @_drawn.register
-def _verification_drawn(thing: Verification, model: Model | None = None) -> _Drawn:
-    del model
+def _verification_drawn(thing: Verification) -> _Drawn:
     data: list[Trace] = []
     known = np.concatenate([run.input for run in thing.runs])
-    floor = max((run.noise_floor for run in thing.runs if run.noise_floor), default=None)
-    if floor and known.size:
-        data.append(noise_band(float(known.min()), float(known.max()), 2 * floor, "± 2 σ of the noise floor"))
+    if thing.noise_floor and known.size:
+        data += error_ground(known, thing.noise_floor)[:1]
     for k, run in enumerate(thing.runs):
-        error = np.where(run.counted, run.measured - run.predicted, np.nan)
         style = {"symbol": SYMBOLS[k % len(SYMBOLS)], "size": 6}
-        data.append(dots(run.input, error, Path(run.run).name, COMPARED[k % len(COMPARED)], **style))
+        data.append(dots(run.input, run.error, Path(run.run).name, COMPARED[k % len(COMPARED)], **style))
     layout = {
         "xaxis": axis("Input"),
-        "yaxis": axis(_titled("measured − model", thing.unit)),
+        "yaxis": axis(with_unit("Measured − model", thing.unit)),
         "showlegend": True,
     }
     return _Drawn(Panel(data, layout), f"Errors of {thing.model}", "")
 
 
 @_drawn.register
-def _diagnosis_drawn(thing: CommandedDiagnosis, model: Model | None = None) -> _Drawn:
-    del model
+def _diagnosis_drawn(thing: CommandedDiagnosis) -> _Drawn:
     predictions = DiagnosisPredictions.of(thing)
     before, *after = residual_figure(predictions).panels[: len(predictions.labelled)]
     data = [
@@ -187,15 +179,9 @@ def _diagnosis_drawn(thing: CommandedDiagnosis, model: Model | None = None) -> _
 
 
 @_drawn.register
-def _transformation_drawn(thing: TransformationResult, model: Model | None = None) -> _Drawn:
-    del model
+def _transformation_drawn(thing: TransformationResult) -> _Drawn:
     figure = tangent_figure(thing.runs[0])
     return _Drawn(figure.panels[0], figure.title, figure.label)
-
-
-def _titled(quantity: str, unit: str) -> str:
-    words, shown = capitalised(quantity or "value"), display_unit(unit)
-    return f"{words} ({shown})" if shown else words
 
 
 # --- drawings -------------------------------------------------------------------------------------------
@@ -280,15 +266,12 @@ def _diagnosis_html(thing: CommandedDiagnosis) -> str:
     )
 
 
-def _badge_html(label: str) -> Html:
-    return tag("span", f"{label} · simulated, not hardware", style=_BADGE)
-
-
 _BADGE = "background:#f7c948;color:#111;font-weight:700;font-size:12px;padding:0 6px;border-radius:2px"
 
 
 def _drawing_with_text(drawing: Html, title: str, label: str, rows: list[str]) -> str:
     """A drawing with its text; styles are inline because a notebook does not load the style sheet of pages."""
     picture = tag("div", drawing, style="flex:0 0 240px") if drawing else ""
-    words = tag("div", tag("b", title), " ", _badge_html(label) if label else "", bullets(rows))
+    badge = tag("span", f"{label} · simulated, not hardware", style=_BADGE) if label else ""
+    words = tag("div", tag("b", title), " ", badge, bullets(rows))
     return tag("div", picture, words, style="display:flex;gap:16px;align-items:center;flex-wrap:wrap")

@@ -12,12 +12,12 @@ from smarig.core import NotToml, UsageError, parsed_toml
 from smarig.record import Run
 from smarig.report.closed_loop.loop_comparison import loops_section
 from smarig.report.closed_loop.loop_result import is_closed_loop
-from smarig.report.components.assessment_box import Assessment
 from smarig.report.components.comparison_labels import banner, check_comparable_count
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import duration, number
 from smarig.report.components.page import Section, page
+from smarig.report.components.page_summary import Assessment
 from smarig.report.components.run_description import (
     display_unit,
     duration_s,
@@ -25,7 +25,6 @@ from smarig.report.components.run_description import (
     quality_counts,
     source_label,
 )
-from smarig.report.components.run_title import titled
 from smarig.report.components.style import COMPARED
 from smarig.report.run_page import ending_notices
 from smarig.report.runs.comparison_assessment import comparison_assessment
@@ -41,8 +40,8 @@ from smarig.report.runs.run_comparison_figures import (
 from smarig.report.runs.run_family import family_figures, trend_figure
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import provenance_table, quality_table
-from smarig.report.runs.sheet_header import sheet_header
-from smarig.report.runs.temperature_table import temperature_table
+from smarig.report.runs.run_title import sheet_header, titled
+from smarig.report.transformation.transformation_tables import temperature_table
 
 _DESCRIPTION = (
     "rig",
@@ -71,7 +70,9 @@ def comparison_page(runs: Mapping[str, Run], *, summary: bool = False) -> str:
     check_same_units(runs)
     loops = {name: run for name, run in runs.items() if is_closed_loop(run)}
     others = {name: run for name, run in runs.items() if name not in loops}
-    found = _coloured(aligned(others)) if others else []
+    found = aligned(others) if others else []
+    if found:
+        found = with_colours(found, family_figures(list(others.values())).variable)
     assessed, opening = _first_screen(found, sheet=summary)
     sections = [*opening, *loops_section(loops, first=len(others))]
     if not summary:
@@ -133,10 +134,6 @@ def _first_screen(found: Sequence[AlignedRun], *, sheet: bool) -> tuple[Assessme
             [*box, *(figure for figure in figures if figure)],
         )
     ]
-
-
-def _coloured(found: Sequence[AlignedRun]) -> list[AlignedRun]:
-    return with_colours(found, family_figures([each.run for each in found]).variable)
 
 
 def _check_count(runs: Mapping[str, Run]) -> None:

@@ -9,7 +9,7 @@ from smarig.core import DataError, Severity, spaced
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.closed_loop.loop_result import is_closed_loop
 from smarig.report.components.figure import Figure
-from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
+from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, severity_mark, tag
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.page import LIBRARY, Section, page
 from smarig.report.components.run_description import (
@@ -23,8 +23,6 @@ from smarig.report.components.run_description import (
     quality_counts,
     source_label,
 )
-from smarig.report.components.run_title import run_title
-from smarig.report.components.severity_mark import severity_mark
 from smarig.report.runs.derived_quantities import DerivedQuantities
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.run_assessment import run_assessment
@@ -36,6 +34,7 @@ from smarig.report.runs.run_tables import (
     settings_text,
     steps_table,
 )
+from smarig.report.runs.run_title import run_title
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 
 _MOST_OF_A_KIND = 3  # warnings of one kind that are written out
@@ -130,7 +129,7 @@ def _transformation_sections(run: Run) -> list[Section]:
     """Transformation temperatures of a run that heats and cools through the whole transformation."""
     if is_closed_loop(run) or run.input_unit not in ("K", "degC") or not len(run):
         return []
-    from smarig.report.transformation.tangent_figure import tangent_figure
+    from smarig.report.transformation.tangent_figures import tangent_figure
     from smarig.report.transformation.transformation_tables import temperature_cards
     from smarig.transformation import full_loop
 

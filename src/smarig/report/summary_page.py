@@ -1,8 +1,10 @@
-"""One sheet of paper on a run, with or without a model: three sentences, the loop, key figures, and its origin."""
+"""One sheet of paper on a run or a characterisation: three sentences, the loop, key figures, and its origin."""
 
+from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
-from smarig.core import spaced
+from smarig.core import capitalised, spaced
 from smarig.identification import RunVerification, verify
 from smarig.record import Run
 from smarig.replay import Model, driven_by_input, provenance
@@ -16,14 +18,17 @@ from smarig.report.components.run_description import (
     extent,
     source_label,
 )
-from smarig.report.components.run_title import run_title
 from smarig.report.model_comparison_page import residuals_figure
+from smarig.report.models.assessment import assessment
+from smarig.report.models.characterisation_cards import characterisation_cards
+from smarig.report.models.evidence import Evidence, training_run
+from smarig.report.models.held_out_figures import loop_figure
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.run_assessment import run_assessment
 from smarig.report.runs.run_summary import summary_with_loop
-from smarig.report.runs.sheet_header import sheet_header
-from smarig.report.transformation.transformation_tables import figure_name
+from smarig.report.runs.run_title import run_title, sheet_header
+from smarig.report.transformation.transformation_tables import figure_name, narrowest_temperature_cards
 from smarig.transformation import headline
 
 _LOOP_PX = 350  # leaves room for the rest of the sheet
@@ -101,3 +106,43 @@ def _origin(run: Run, model: Model | None) -> str:
     return f"File {run.path.name}, SHA-256 {digest} …" + (
         f"; model {model.name}, {model.created[:10]}." if model else "."
     )
+
+
+def characterisation_summary(e: Evidence, *, library: str = LIBRARY) -> str:
+    """The HTML page, made to be printed on one sheet."""
+    runs, assessed = list(e.runs.values()), assessment(e)
+    run = training_run(e)
+    figure = loop_figure(e, run) if run is not None else None
+    temperatures, source = narrowest_temperature_cards(runs)
+    parts: list[Html | Figure] = [
+        assessed.html(),
+        sheet_header(runs),
+        *([figure] if figure else []),
+        characterisation_cards(e, theory=False),
+        temperatures,
+        paragraph(f"{_model_origin(e)}{source}"),
+    ]
+    return page(
+        f"Summary: {e.title[:1].lower()}{e.title[1:]}",
+        run_lead(*runs) if runs else "No runs",
+        [Section("", "", parts)],
+        label=source_label(*runs),
+        notices=ending_notices(runs),
+        library=library,
+        summary=summary_with_loop("summary", f"{assessed.quality} {assessed.advice}", assessed.level, run),
+    )
+
+
+def _model_origin(e: Evidence) -> str:
+    """Which model it is, with the runs that it was fitted to and those that were held out."""
+    if e.best is None:
+        return ""
+    fitted = _names(p.run for p in e.best.model.provenance)
+    verification = e.verifications.get(e.chosen)
+    held_out = _names(found.run for found in verification.runs) if verification else ""
+    tested = f", tested on {held_out}" if held_out else ""
+    return f"{capitalised(e.chosen)} model, fitted to {fitted}{tested}."
+
+
+def _names(runs: Iterable[str]) -> str:
+    return " and ".join(Path(run).name.removesuffix(".run.sqlite") for run in runs)

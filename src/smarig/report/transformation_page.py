@@ -1,22 +1,19 @@
 """The page of transformation temperatures: figures, loops with their tangents, cycles, stress, branches, method."""
 
-from collections.abc import Sequence
-
 from smarig.core import spaced
 from smarig.report.components.html import Html, paragraph, with_subscripts
-from smarig.report.components.numbers import number, to_uncertainty
+from smarig.report.components.numbers import number, to_interval
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, source_label
-from smarig.report.components.run_title import titled
 from smarig.report.runs.run_summary import summary_with_loop
-from smarig.report.transformation.tangent_figure import tangent_figure
+from smarig.report.runs.run_title import titled
+from smarig.report.transformation.tangent_figures import cycles_figure, stress_figure, tangent_figure
 from smarig.report.transformation.transformation_tables import (
     branches_text,
     figures_table,
     stress_table,
     temperature_cards,
 )
-from smarig.report.transformation.trend_figures import cycles_figure, stress_figure
 from smarig.transformation import RunFigures, TransformationResult, stated_ranges, why_not
 
 _SIZES = (("stroke", "stroke"), ("width", "width of the hysteresis"))
@@ -26,8 +23,9 @@ def transformation_page(found: TransformationResult) -> str:
     """The HTML page of the transformation temperatures of one run or several."""
     runs = found.runs
     first, *others = runs
+    cards = [] if others else [temperature_cards(first)]
     sections = [
-        Section("", "Summary", [_opening(found), tangent_figure(first), *_cards(runs)]),
+        Section("", "Summary", [_opening(found), tangent_figure(first), *cards]),
         Section("Figures with intervals", "Figures", [figures_table(run) for run in runs]),
     ]
     slopes = stress_figure(runs, found.stress)
@@ -49,10 +47,6 @@ def transformation_page(found: TransformationResult) -> str:
         "transformation temperatures", f"{lead}: loops with their tangents.", "", runs[0].run
     )
     return page(title, lead, sections, label=label, summary=about)
-
-
-def _cards(runs: Sequence[RunFigures]) -> list[Html]:
-    return [temperature_cards(runs[0])] if len(runs) == 1 else []
 
 
 def _opening(found: TransformationResult) -> Html:
@@ -96,10 +90,8 @@ def _width(run: RunFigures) -> str:
 
 
 def _value(run: RunFigures, name: str) -> str:
-    low, high = run.means[name].ci95
-    return (
-        f"{to_uncertainty(run.means[name].value, (high - low) / 2)}{spaced(display_unit(run.unit_of(name)))}"
-    )
+    found = run.means[name]
+    return f"{to_interval(found.value, found.ci95)}{spaced(display_unit(run.unit_of(name)))}"
 
 
 def _method() -> list[Html]:

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from smarig.theory.properties.classes import classes as classes
     from smarig.theory.properties.monotone import Monotonicity as Monotonicity
     from smarig.theory.properties.monotone import crossing_descending as crossing_descending
+    from smarig.theory.properties.monotone import largest_slope as largest_slope
     from smarig.theory.properties.monotone import monotone as monotone
-    from smarig.theory.properties.slopes import largest_slope as largest_slope
     from smarig.theory.properties.summary import properties as properties
     from smarig.theory.state_space.boundary import Boundary as Boundary
     from smarig.theory.state_space.boundary import diagonal as diagonal

@@ -19,7 +19,7 @@ from console.library.folders import (
 )
 from smarig.cli import run
 from smarig.console import FACETS, ORDERS, Library
-from smarig.console.library.heating_cycles import heating_cycles
+from smarig.console.library.run_content import heating_cycles
 from smarig.core import UsageError
 from smarig.record import Wear, load_run
 from smarig.transformation import headline

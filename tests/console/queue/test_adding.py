@@ -9,8 +9,8 @@ import pytest
 from console.queue.entries import opened, request
 from smarig.cli import run as cli
 from smarig.console.command_process import process_command
-from smarig.console.queue.entry_command import entry_command, shown_command
 from smarig.console.queue.entry_preview import _pace
+from smarig.console.queue.entry_request import entry_command, shown_command
 from smarig.console.queue.queue import Queue
 from smarig.core import InUse, UsageError
 from smarig.record import recording

@@ -11,8 +11,7 @@ from console.queue.entries import events, opened, request, wait_until, worker
 from smarig.console.queue import ensure_worker as starting
 from smarig.console.queue import worker as worker_module
 from smarig.console.queue.ensure_worker import ensure_worker
-from smarig.console.queue.entry_process import EntryFiles, is_alive
-from smarig.console.queue.outcome import Outcome, outcome_of
+from smarig.console.queue.entry_process import EntryFiles, Outcome, is_alive, outcome_of
 from smarig.console.queue.queue_entry import EntryState
 from smarig.console.queue.worker import lock_key, work
 from smarig.core import InUse, StorageError, check_free

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from console.web.started_console import Console, started_console
-from smarig.console.web.log_limit import EACH, WINDOW_S, LogLimit
+from smarig.console.web.connection_limit import EACH, WINDOW_S, LogLimit
 
 DESCRIPTORS, CROWD = 256, 400
 

@@ -1,7 +1,6 @@
 """Every setting of every protocol is explained to the person who fills in the form, and nothing else is."""
 
-from smarig.console.web.protocol_form import protocol_form
-from smarig.console.web.setting_help import SETTING_HELP
+from smarig.console.web.protocol_form import SETTING_HELP, protocol_form
 from smarig.core import catalogue_names, own_entries
 from smarig.protocols import PROTOCOLS
 

@@ -7,7 +7,7 @@ import pytest
 
 import smarig
 from console.web.test_led_out import Pages, pages_of
-from smarig.console.own_place import is_own_place
+from smarig.console.web.console_context import is_own_place
 from smarig.console.web.evaluations import PAGES
 from smarig.console.web.pages.data_file_page import STUDIES, UPLOADS
 

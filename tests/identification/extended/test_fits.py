@@ -12,10 +12,10 @@ import pytest
 
 from identification.made_runs import made_run
 from smarig.core.errors import DataError
-from smarig.identification.extended.accommodation_fit import identify_accommodation
-from smarig.identification.extended.moving_fit import identify_moving
+from smarig.identification.extended.extensions.accommodating import identify_accommodation
+from smarig.identification.extended.extensions.moving import identify_moving
+from smarig.identification.extended.extensions.reversible import identify_reversible
 from smarig.identification.extended.nonlinear_fit import identify_nonlinear
-from smarig.identification.extended.reversible_fit import identify_reversible
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 from theory.extended import truths

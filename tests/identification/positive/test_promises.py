@@ -10,9 +10,8 @@ import pytest
 from benchmarks.random_truths import random_truth
 from smarig.cli import run as smarig_command
 from smarig.config import load_rig
-from smarig.identification.fod_data import FodData, fod_data
+from smarig.identification.fod_data import FodData, fod_data, table
 from smarig.identification.positive import Observations, fit_positive
-from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import fit_surface
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import load_run

@@ -12,7 +12,7 @@ from smarig.identification.identify import identify
 from smarig.identification.positive import Observations, fit_positive
 from smarig.identification.positive.interior_point import NewtonSystem, solve
 from smarig.identification.positive.positive_fit import fit_table
-from smarig.identification.positive.principal_pivoting import solve_by_pivoting
+from smarig.identification.positive.quadratic_programme import solve_by_pivoting
 
 
 def problem(seed, m=30, n=24, border=0, coupling=3):

@@ -18,9 +18,8 @@ from identification.sweeps.relay_wire import (
 )
 from smarig.core import DataError
 from smarig.identification.sweeps.gain_of_sweeps import UNDETERMINED, gain_of_sweeps
-from smarig.identification.sweeps.sweep_rates import rate_ratio
 from smarig.identification.sweeps.sweep_record import SweepRecord
-from smarig.identification.sweeps.tau_of_sweeps import tau_of_sweeps
+from smarig.identification.sweeps.tau_of_sweeps import rate_ratio, tau_of_sweeps
 from smarig.preisach import FodTable
 from smarig.record import Event
 

@@ -9,8 +9,7 @@ from identification.made_runs import fod_run
 from identification.sweeps.relay_wire import PER_COUNT, TAU_S, heated, swept_run, switched
 from smarig.identification import identify
 from smarig.identification.fod_data import fod_data
-from smarig.identification.surface.curve_report import curve_report
-from smarig.identification.surface.moving_readings import motion_within_a_tick
+from smarig.identification.surface.curve_report import curve_report, motion_within_a_tick
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 

@@ -32,8 +32,13 @@ from smarig.theory.energy import (
     recoverable_energy,
     work,
 )
-from smarig.theory.energy.density_bounds import DensityCells, density_bounds
-from smarig.theory.energy.loop_area_bounds import AreaPolynomial, area_bound, negative_small_loop
+from smarig.theory.energy.loop_area_bounds import (
+    AreaPolynomial,
+    DensityCells,
+    area_bound,
+    density_bounds,
+    negative_small_loop,
+)
 from smarig.theory.energy.storage_function import recoverable_energy_is_storage
 from theory.energy.relay_energy import LEVELS, Game, histories, relays
 from theory.energy.test_chapter_7 import integral_of_u_dy, run

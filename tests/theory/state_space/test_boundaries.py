@@ -14,12 +14,11 @@ from hypothesis import strategies as st
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
+from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal, rotated
 from smarig.theory.state_space.maps import G
 from smarig.theory.state_space.memory_sequence import MemorySequence
 from smarig.theory.state_space.reachability import staircase
 from smarig.theory.state_space.read_out import is_up, read_out
-from smarig.theory.state_space.rotation import rotated
 from smarig.theory.state_space.transition import sweep
 from theory.state_space.made import BOUND, boundaries, curves, values
 

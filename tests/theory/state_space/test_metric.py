@@ -13,12 +13,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from smarig.core.errors import UsageError
-from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
+from smarig.theory.state_space.boundary import Boundary, RotatedBoundary, anhysteretic, diagonal, rotated
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import G_inverse, H_left
 from smarig.theory.state_space.operator_state import distance, rotated_distance
 from smarig.theory.state_space.reachability import staircase
-from smarig.theory.state_space.rotation import RotatedBoundary, rotated
 from theory.state_space.made import BOUND, area_relays, boundaries, drawn_by_relays, drawn_coarsely, whole
 
 ROOT = math.sqrt(2)

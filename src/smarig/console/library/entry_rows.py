@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.console.library.annotations import notes_of, tags_of
 from smarig.console.library.found_files import FoundFile
 from smarig.console.library.library_entry import Content, Entry, LibraryFigure, path_of, shown_place
+from smarig.console.library.notes_file import notes_of, tags_of
 
 COLUMNS = (
     *("place", "id", "identity", "kind", "name", "began", "duration_s", "wire", "rig", "protocol", "label"),

@@ -2,21 +2,25 @@
 
 Everything but tags and notes is read from the files; the library can be deleted at any time. Several processes may use
 one library; one of them scans at a time. The methods may be called from any thread.
+
+How the figures of a wire have changed over its runs.
 """
 
 import contextlib
+import json
+import sqlite3
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.console.library.annotations import is_taken_over, take_over, wrong_notes
 from smarig.console.library.database import DamagedLibrary, Database
 from smarig.console.library.entry_rows import entries, loop_of
-from smarig.console.library.library_entry import Entry, one_line
+from smarig.console.library.library_entry import MODEL, RUN, Entry, one_line
 from smarig.console.library.library_search import Question, SearchPage, facets, search
 from smarig.console.library.notes_file import (
     LONGEST_WHO,
@@ -25,10 +29,76 @@ from smarig.console.library.notes_file import (
     NotesFile,
     checked_note,
     checked_tags,
+    is_taken_over,
+    take_over,
+    wrong_notes,
 )
+from smarig.console.library.result_content import ERROR
 from smarig.console.library.scan import Progress, Scan, ScanResult
-from smarig.console.library.trends import Trend, trends
-from smarig.core import InUse, SmarigError, UsageError, process_lock
+from smarig.core import Array, InUse, SmarigError, UsageError, process_lock
+
+_OF_RUNS = ("stroke", "A_s", "A_f", "M_s", "M_f", "cycles")
+QUANTITIES = {**dict.fromkeys(_OF_RUNS, RUN), ERROR: MODEL}
+
+
+class Trend(NamedTuple):
+    """Values (n,) at ``epochs`` (n,), seconds since 1970, with 95 % intervals (n, 2) or None, and the entries' ids."""
+
+    epochs: Array
+    values: Array
+    intervals: Array | None
+    unit: str
+    ids: tuple[str, ...]
+
+
+class _Point(NamedTuple):
+    epoch: float
+    value: float
+    low: float | None
+    high: float | None
+    unit: str
+    id: str
+
+
+def trends(db: sqlite3.Connection, wire: str) -> dict[str, Trend]:
+    """The trends of a wire by quantity: stroke, A_s, A_f, M_s, M_f, error_times_noise (of models), cycles (since the
+    first run in the library).
+
+    A quantity in several units has a trend in each: "A_s (degC)". Runs without a time, and copies, are left out.
+    """
+    points = list(_points(db, wire))
+    found: dict[str, Trend] = {}
+    for quantity in QUANTITIES:
+        own = [point for name, point in points if name == quantity]
+        units = list(dict.fromkeys(point.unit for point in own))
+        for unit in units:
+            name = quantity if len(units) == 1 else f"{quantity} ({unit})"
+            found[name] = _trend([point for point in own if point.unit == unit], unit)
+    if "cycles" in found:
+        found["cycles"] = found["cycles"]._replace(values=np.cumsum(found["cycles"].values))
+    return found
+
+
+def _points(db: sqlite3.Connection, wire: str) -> Iterator[tuple[str, _Point]]:
+    query = (
+        "SELECT e.kind, e.began, e.id, c.figures FROM entry e JOIN content c ON c.place = e.place "
+        "WHERE e.wire = ? AND e.began IS NOT NULL AND e.id = e.identity ORDER BY e.began, e.place"
+    )
+    for kind, epoch, id, figures in db.execute(query, (wire,)):
+        for name, (value, low, high, unit) in json.loads(figures).items():
+            if QUANTITIES.get(name) == kind:
+                yield name, _Point(epoch, value, low, high, unit, id)
+
+
+def _trend(points: list[_Point], unit: str) -> Trend:
+    intervals = np.array([(p.low, p.high) for p in points], dtype=float)  # None becomes NaN
+    return Trend(
+        epochs=np.array([p.epoch for p in points]),
+        values=np.array([p.value for p in points]),
+        intervals=intervals if np.isfinite(intervals).any() else None,
+        unit=unit,
+        ids=tuple(p.id for p in points),
+    )
 
 
 class Library:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from smarig.console.library.library_entry import DIAGNOSIS, MODEL, Content, FigureRow, shown_place
-from smarig.console.library.run_identity import content_identity
+from smarig.console.library.run_content import content_identity
 from smarig.core import DataError
 from smarig.replay import Model, load_model
 from smarig.report import SEVERITY_LEVELS, found_page, model_name, model_summary

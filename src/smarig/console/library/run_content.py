@@ -1,18 +1,78 @@
-"""What the library keeps of a run file, finished, interrupted, or being recorded."""
+"""What the library keeps of a run file, finished, interrupted, or being recorded.
 
+The identity of a run: the same for its copies, under any name, while it is recorded and after it was resumed.
+
+It is made of what the file has held since the first sample and never changes. A run whose start is not recorded (an
+import, a simulation) is written at once, so the hashes of its samples identify it.
+
+The heating cycles of a run, counted as the history of its wire counts them (``record.Wear``).
+"""
+
+import hashlib
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from smarig.console.library.heating_cycles import heating_cycles, input_range_K
+from smarig.config import ActuatorFile, LimitsFile
 from smarig.console.library.library_entry import RECORDING, RUN, Content, FigureRow
-from smarig.console.library.run_identity import run_identity
-from smarig.core import InUse
-from smarig.record import StoredRun, check_not_recording, load_run, stored_run
+from smarig.core import Array, InUse
+from smarig.plant import Actuator
+from smarig.protocols import Setup
+from smarig.record import COLD, HOT, AnyRun, StoredRun, check_not_recording, load_run, stored_run
 from smarig.report import RunSummary, run_assessment, source_label, summary_of
 from smarig.transformation import headline
+
+_CONSTANT_KEYS = (
+    *("start_epoch", "source", "protocol", "settings", "seed", "effects"),
+    *("rig", "wire", "actuator", "period_s", "model", "along"),
+)
+_LENGTH = 20  # hexadecimal digits: 80 bits
+
+
+def run_identity(run: StoredRun) -> str:
+    """The identity of a run."""
+    facts: list[Any] = [run.meta.get(key) for key in _CONSTANT_KEYS]
+    facts.append(run.first_sample)
+    if run.info.start_epoch is None:
+        hashes = run.meta.get("hashes")
+        facts += [
+            run.info.imported and run.info.imported.sha256,
+            hashes.get("sample") if isinstance(hashes, dict) else None,
+        ]
+    return content_identity(json.dumps(facts, sort_keys=True, default=str).encode())
+
+
+def content_identity(content: bytes) -> str:
+    """The identity of a content."""
+    return hashlib.sha256(content).hexdigest()[:_LENGTH]
+
+
+def input_range_K(run: AnyRun) -> float | None:
+    """The largest input that the limits of the recorded rig allow; None if the run does not hold its rig."""
+    try:
+        actuator = Actuator(ActuatorFile.model_validate(run.info.actuator_values))
+        limits = LimitsFile.model_validate(run.info.rig_values["limits"])
+        setup = Setup(actuator, limits, run.info.period_s or 0.1)
+        return max(setup.upper_K, -setup.lower_K)
+    except Exception:  # values of any origin: pydantic, the actuator and the setup each refuse them their way
+        return None
+
+
+def heating_cycles(u: Array, range_K: float) -> int:
+    """How often the input (n,) rose above half of the range after it was below a quarter.
+
+    >>> heating_cycles(np.array([0.0, 90.0, 40.0, 90.0, 10.0, 90.0]), 100.0)
+    2
+    """
+    size = np.abs(u[np.isfinite(u)])
+    hot, cold = size > HOT * range_K, size < COLD * range_K
+    marks = np.where(hot, 1, np.where(cold, -1, 0))
+    marks = marks[marks != 0]
+    return int(np.count_nonzero(np.diff(marks) == 2))
+
 
 MOST_ANALYSED = 2_000_000  # samples that are read into memory for the figures: two days at 10 Hz
 _FIGURES = ("stroke", "A_s", "A_f", "M_s", "M_f", "width")

@@ -10,8 +10,7 @@ from typing import Any
 
 from smarig.config import load_rig
 from smarig.console.command_process import run_command
-from smarig.console.queue.entry_command import entry_command
-from smarig.console.queue.entry_request import EntryRequest
+from smarig.console.queue.entry_request import EntryRequest, entry_command
 from smarig.core import UsageError
 
 _LONGEST_S = 600.0  # a preview computes 100,000 ticks a second

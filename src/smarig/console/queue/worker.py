@@ -17,14 +17,15 @@ from pathlib import Path
 from smarig.console.queue.allowed_entries import AllowedEntries
 from smarig.console.queue.entry_process import (
     EntryFiles,
+    Outcome,
     bound_log,
     check_logs,
     check_system,
     forget_result,
     is_alive,
+    outcome_of,
     start_process,
 )
-from smarig.console.queue.outcome import Outcome, outcome_of
 from smarig.console.queue.queue_entry import EntryState, QueueEntry
 from smarig.console.queue.queue_file import QueueFile
 from smarig.core import InUse, SmarigError, StorageError, process_lock

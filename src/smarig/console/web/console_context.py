@@ -1,4 +1,7 @@
-"""What the pages work on: one folder with its queue and its library, and the templates. Nothing else is shared."""
+"""What the pages work on: one folder with its queue and its library, and the templates. Nothing else is shared.
+
+Where the console writes. Whoever made its folder also chose the links in it, which could lead anywhere.
+"""
 
 import threading
 from collections.abc import Mapping
@@ -20,7 +23,22 @@ from smarig.console.web.evaluation_jobs import EvaluationJobs
 from smarig.console.web.library_scanner import LibraryScanner
 from smarig.console.web.rig_checks import RigChecks
 from smarig.console.web.viewers import Viewers
-from smarig.core import UsageError, shown
+from smarig.core import UsageError, place_inside, shown
+
+
+def is_own_place(place: Path, folder: Path) -> bool:
+    """Whether a place below the folder of a console is no link, and lies behind none."""
+    return place_inside(place, folder) == folder.resolve() / place.relative_to(folder)
+
+
+def own_place(place: Path, folder: Path) -> Path:
+    """A place below the folder of a console. Raises UsageError if it is a link, or lies behind one."""
+    if not is_own_place(place, folder):
+        raise UsageError(
+            f"{shown(str(place.relative_to(folder)))} is a link, or lies behind one. Remove the link: the console "
+            "writes there, and only into its own folder."
+        )
+    return place
 
 
 def _encodable(value: Any) -> Any:

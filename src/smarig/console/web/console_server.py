@@ -17,12 +17,11 @@ from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.queue import Queue
 from smarig.console.web.access_guard import TOKEN
 from smarig.console.web.application import console_application
-from smarig.console.web.connection_limit import ACCEPTED_AT_ONCE, ConnectionLimit
+from smarig.console.web.connection_limit import ACCEPTED_AT_ONCE, ConnectionLimit, limit_logs
 from smarig.console.web.console_context import ConsoleContext
 from smarig.console.web.console_scope import ConsoleScope
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.library_scanner import LibraryScanner
-from smarig.console.web.log_limit import limit_logs
 from smarig.console.web.rig_checks import RigChecks
 from smarig.console.web.rig_files import rig_entry
 from smarig.console.web.viewers import Viewers

@@ -15,8 +15,7 @@ from typing import Any
 
 from smarig.console.command_process import run_command
 from smarig.console.library.library_entry import Entry
-from smarig.console.own_place import is_own_place, own_place
-from smarig.console.web.console_context import ConsoleContext
+from smarig.console.web.console_context import ConsoleContext, is_own_place, own_place
 from smarig.console.web.evaluation_jobs import EvaluationJob, EvaluationResult
 from smarig.core import UsageError, printable
 from smarig.diagnosis import DIAGNOSIS_PAGE

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.console.library.heating_cycles import input_range_K
+from smarig.console.library.run_content import input_range_K
 from smarig.core import Array
 from smarig.live import boundary
 from smarig.preisach import Initial, Preisach, RelayMeasure

@@ -2,25 +2,50 @@
 
 The history comes from the run file, which is at most a second behind; later samples come from shared memory. Both are
 thinned: a page draws thousands of points, not millions.
+
+The output of a model along the input of a run, continued as samples come.
 """
 
 import asyncio
 import json
 import threading
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from starlette.concurrency import run_in_threadpool
 
 from smarig.console.web.input_memory import InputMemory
-from smarig.console.web.model_overlay import ModelOverlay
-from smarig.console.web.run_outcome import run_outcome
-from smarig.console.web.run_words import ENDED, run_state
+from smarig.console.web.run_words import ENDED, run_outcome, run_state
 from smarig.core import SmarigError, UsageError
+from smarig.preisach import Preisach
 from smarig.record import stored_run
+from smarig.replay import load_model
 from smarig.running import RunInProgress
+
+
+class ModelOverlay:
+    """The Preisach operator of a model file, without its effects. Raises DataError for a file that is none."""
+
+    def __init__(self, file: Path) -> None:
+        model = load_model(file)
+        self._operator = Preisach(model.hysteresis, "negative")
+        self._range = model.hysteresis.lower, model.hysteresis.upper
+
+    def outputs(self, inputs: Sequence[float | None]) -> list[float | None]:
+        """The output at each input, in the unit of the model; None where there is no input."""
+        known = [k for k, u in enumerate(inputs) if u is not None]
+        if not known:
+            return [None] * len(inputs)
+        u = np.clip(np.array([inputs[k] for k in known], dtype=float), *self._range)
+        y = self._operator.simulate(u, self._operator.state)
+        found: list[float | None] = [None] * len(inputs)
+        for k, output in zip(known, y.tolist()):
+            found[k] = round(output, 6)
+        return found
+
 
 INTERVAL_S = 0.05  # twice as often as samples come: a sample is drawn well within the next one
 HISTORY_POINTS, POINTS_AT_ONCE = 3000, 200

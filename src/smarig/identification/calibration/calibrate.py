@@ -1,7 +1,7 @@
 """Calibration of the wire's constants from all available channels, with 95 % intervals.
 
     R_M, R_A    voltage, current, position                              (``resistance``)
-                of two wires: voltage and current of cold and hot wires (``two_wire_resistance``)
+                of two wires: voltage and current of cold and hot wires (``two_wire_resistances``)
     tau         wire temperature after a step of the drive, or position with a known hysteresis
     dead_time   the same temperature, if it shows a delay               (``thermal_transient``, ``replay``)
     R_over_hA   steady wire temperature and current                     (``heat_loss``)

@@ -15,9 +15,8 @@ import numpy as np
 from smarig.core import Array, DataError, UsageError, catalogue_entry, catalogue_names, spaced
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
 from smarig.identification.extended.extension_names import BEST, EXTENSIONS, NONE
-from smarig.identification.extended.extremum_chains import extremum_chains
+from smarig.identification.extended.extremum_chains import excursions, extremum_chains
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
-from smarig.identification.extended.moving_fit import excursions
 from smarig.identification.noise_floor import noise_floor
 from smarig.preisach import Everett, Preisach
 from smarig.record import Run

@@ -77,3 +77,13 @@ def _origins(record: MemoryHistory) -> list[int]:
         depth = now
         found.append(stack[-1])
     return found
+
+
+def first_order(record: ExtremumChains) -> NDArray[np.bool_]:
+    """Points on the ascending branch or on a first-order descending curve."""
+    return (record.origin < 0) | (np.append(record.origin, -1)[record.origin] < 0)
+
+
+def excursions(record: ExtremumChains) -> NDArray[np.intp]:
+    """The index of the segment between two visits of negative saturation, by point."""
+    return np.cumsum((record.u <= record.lower) | (np.diff(record.run, prepend=-1) != 0))

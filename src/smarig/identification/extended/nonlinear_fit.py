@@ -10,17 +10,22 @@ F of an identified hysteresis,
 
 needs the second-order curves only, each relative to the point at which it started. The restricted model of first
 order has the same Q; the two models differ for deeper memories.
+
+The excess of second-order curves of several runs, from the run that contains all curves of one partition.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, chi2_tail, normal_quantile
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
+from smarig.identification.extended.fitted_extension import ExtensionData
+from smarig.identification.interval_estimate import Estimate
 from smarig.preisach import Everett, FodTable
 from smarig.record import Run
 from smarig.theory import NonlinearPreisach, RestrictedPreisach, SecondOrderExcess, second_order_mask
@@ -170,3 +175,34 @@ def _forms(
         first[row, place[k, k]] += 1
         first[row, place[k, j]] -= 1
     return np.hstack([first, -np.eye(i.size)])
+
+
+def fitted_excess(data: ExtensionData) -> NonlinearFit:
+    """Q of the run with the finest partition with complete second-order curves; DataError if there is none."""
+    noise, fits, reason = data.noise, [], ""
+    for run in data.runs:
+        try:
+            fits.append(identify_nonlinear([run], noise, data.hysteresis))
+        except DataError as error:
+            reason = str(error)
+    if not fits:
+        raise DataError(
+            f"No run contains all second-order curves of a partition (protocol second_order_transition): {reason}"
+        )
+    return max(fits, key=lambda fit: fit.excess.nodes.size)
+
+
+def largest_excess(fit: NonlinearFit, unit: str) -> Estimate:
+    """The largest |Q| with its 95 % interval."""
+    values = np.where(np.isfinite(fit.error), np.abs(fit.excess.values), -1.0)
+    at = np.unravel_index(int(np.argmax(values)), values.shape)
+    low, high = fit.interval()
+    alpha, beta, u = (float(fit.excess.nodes[k]) for k in at)
+    source = f"largest |Q|, at α = {alpha:g}, β = {beta:g}, u = {u:g}"
+    ends = float(low[at]), float(high[at])
+    return Estimate(float(fit.excess.values[at]), ends, unit, source, int(np.isfinite(fit.error).sum()))
+
+
+def excess_values(fit: NonlinearFit) -> dict[str, Any]:
+    """Partition and tensor, for a model file."""
+    return {"nodes": fit.excess.nodes.tolist(), "values": fit.excess.values.tolist()}

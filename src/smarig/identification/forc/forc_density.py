@@ -15,14 +15,13 @@ from numpy.typing import ArrayLike
 
 from smarig.core import NOT_NUMBERS, Array, DataError, UsageError
 from smarig.identification.fod_data import FodData
-from smarig.identification.forc.forc_density_local import LocalFits, local_fits
+from smarig.identification.forc.forc_density_local import WINDOWS, LocalFits, local_fits
 from smarig.identification.forc.forc_density_smoothing import (
     DEGREES,
     SmoothingChoice,
     choose_smoothing,
     nearest_widths,
 )
-from smarig.identification.forc.forc_density_windows import WINDOWS
 
 _MAX_GAIN_RATIO = 30.0  # times the typical standard error: too few neighbours
 _FEWEST = 12  # points: twice the terms of a quadratic

@@ -13,8 +13,7 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from smarig.core import Array, DataError
-from smarig.identification.forc.forc_density_local import local_fits, neighbourhoods
-from smarig.identification.forc.forc_density_windows import WINDOWS
+from smarig.identification.forc.forc_density_local import WINDOWS, local_fits, neighbourhoods
 
 DEGREES = (2, 4)
 _PLACES = 1500  # largest number of places for the score, evenly spaced in the data

@@ -270,7 +270,8 @@ class _Loads:
         kept, value = self.group != k, self.table.values[k]
         y = self.fit.problem.plan.y[~kept]
         again = fit_measured(self.fit.problem, self.smoothing, kept, gains=self.fit.gains, free_gains=True)
-        one = _table(again, kept, self.condition).outputs(again.shape[~kept], value) + _terms(again)[~kept]
+        terms = again.problem.terms @ again.amplitudes  # what the terms add to the output
+        one = _table(again, kept, self.condition).outputs(again.shape[~kept], value) + terms[~kept]
         others = [j for j in range(len(self.each)) if j != k]
         rest = ConditionTable(
             self.condition,
@@ -285,11 +286,6 @@ class _Loads:
     def own_zeros(self) -> tuple[float, ...]:
         """Zero of each load with its own measure."""
         return tuple(float(np.mean(f.zeros[self.group == k])) for k, f in enumerate(self.each))
-
-
-def _terms(fit: MeasuredFit) -> Array:
-    """What the terms add to the output at all readings (m,)."""
-    return fit.problem.terms @ fit.amplitudes
 
 
 def _table(fit: MeasuredFit, used: NDArray[np.bool_], condition: str) -> ConditionTable:

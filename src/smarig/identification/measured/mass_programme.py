@@ -17,8 +17,7 @@ from scipy.sparse import csr_matrix, eye_array
 from smarig.core import Array
 from smarig.identification.positive.interior_point import NewtonSystem, solve
 from smarig.identification.positive.observations import Observations
-from smarig.identification.positive.principal_pivoting import solve_by_pivoting
-from smarig.identification.positive.quadratic_programme import RIDGE
+from smarig.identification.positive.quadratic_programme import RIDGE, solve_by_pivoting
 from smarig.identification.positive.triangle import Triangle
 
 Mask = NDArray[np.bool_]

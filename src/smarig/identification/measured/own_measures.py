@@ -46,7 +46,8 @@ def own_measure(fit: MeasuredFit, smoothing: float, own: Mask, *, proportional: 
     plan = problem.plan.where(own)
     intervals = round(int(own.sum()) / READINGS_PER_INTERVAL)
     intervals = min(max(intervals, FEWEST_INTERVALS), MOST_INTERVALS)
-    terms = _inputs(plan, effects)[:, None] if proportional else None
+    inputs = plan.of([changed(record, effects).input for record in plan.records])
+    terms = inputs[:, None] if proportional else None
     alone = measured_problem(
         plan, effects, extra_terms=terms, weight=problem.weight[own], intervals=intervals
     )
@@ -56,11 +57,6 @@ def own_measure(fit: MeasuredFit, smoothing: float, own: Mask, *, proportional: 
     zeros, error = np.zeros(own.size), np.full(own.size, np.nan)
     zeros[own], error[own] = found.zeros[alone.observations.zero], found.error
     return OwnMeasure(table, _along(table, problem.plan, effects), zeros, error)
-
-
-def _inputs(plan: ReadingPlan, effects: list[MeasurementEffect]) -> Array:
-    """The inputs of the hysteresis at the readings (m,)."""
-    return plan.of([changed(record, effects).input for record in plan.records])
 
 
 def _with_slope(table: FodTable, slope: float) -> FodTable:

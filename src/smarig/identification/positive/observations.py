@@ -181,16 +181,22 @@ class Observations:
 
     def matrix(self, triangle: Triangle) -> csr_matrix:
         """Rows over the triangle's unknowns, then the free offsets: (m, unknowns + offsets)."""
-        values = triangle.values(self.alpha, self.beta)
-        gather = csr_matrix(
-            (self.sign, (self.term, np.arange(self.sign.size))), shape=(len(self), self.sign.size)
-        )
-        rows = gather @ values
+        rows = self.corner_sums @ triangle.values(self.alpha, self.beta)
         if self.released:
             rows = rows + self._released(triangle)
+        return csr_matrix(hstack([rows, self.free_zeros]))
+
+    @property
+    def corner_sums(self) -> csr_matrix:
+        """The signed sums (m, t) over the surface's values at the corners."""
+        places = (self.term, np.arange(self.sign.size))
+        return csr_matrix((self.sign, places), shape=(len(self), self.sign.size))
+
+    @property
+    def free_zeros(self) -> csr_matrix:
+        """Which free zero (m, offsets) each output has."""
         free = np.flatnonzero(self.zero != COMMON)
-        ones = csr_matrix((np.ones(free.size), (free, self.zero[free])), shape=(len(self), self.offsets))
-        return csr_matrix(hstack([rows, ones]))
+        return csr_matrix((np.ones(free.size), (free, self.zero[free])), shape=(len(self), self.offsets))
 
     def _released(self, triangle: Triangle) -> csr_matrix:
         """Contributions of moves from a diagonal state to the rows; many memories share a few such moves."""

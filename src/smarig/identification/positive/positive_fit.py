@@ -23,12 +23,13 @@ from threadpoolctl import threadpool_limits
 
 from smarig.core import Array, DataError, UsageError, root_mean_square, spaced
 from smarig.identification.positive.adapted_partition import active_width, adapted_nodes
-from smarig.identification.positive.held_out_error import HeldOut, held_out_test
 from smarig.identification.positive.interior_point import Solution
 from smarig.identification.positive.observations import MIN_REVERSAL, Observations, joined_observations
 from smarig.identification.positive.quadratic_programme import MeasureProblem, dense_columns, quadratic_forms
 from smarig.identification.positive.smoothing_choice import (
+    HeldOut,
     curve_folds,
+    held_out_test,
     largest_smoothing_within_one_error,
     segment_folds,
     smoothing_by_held_out,

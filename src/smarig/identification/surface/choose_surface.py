@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError
-from smarig.identification.fod_data import FodData
+from smarig.identification.fod_data import FodData, curve_table, table
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.positive.quadratic_programme import MeasureProblem
 from smarig.identification.positive.smoothing_choice import COMPARISON_ACCURACY
-from smarig.identification.surface.measured_table import curve_table, table
 from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import POSITIVE_KIND, kinds_by_freedom, surface_kinds
 from smarig.preisach import FodSurface, FodTable, ForcTable, lattice, surface_forms
@@ -143,7 +142,8 @@ def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighti
         whole = fit_surface(some, kind, anchor=anchor, weights=weights)
 
         def fitted(train: Mask) -> FodSurface:
-            return _refitted_surface(some.where(train), whole, anchor, weights)
+            form = whole.surface.form  # started at the fit to all curves
+            return fit_surface(some.where(train), form, anchor=anchor, weights=weights, start=whole).surface
 
         return _Candidate(whole.surface, some, fitted, whole)
     if kind == POSITIVE_KIND:
@@ -151,13 +151,6 @@ def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighti
         fit = fit_positive(Observations.of_fod(some))
         return _Candidate(fit.table, some, _positive_refit(some, fit))
     return _Candidate(table(data), data, lambda train: curve_table(data.where(train)))
-
-
-def _refitted_surface(
-    train: FodData, whole: SurfaceFit, anchor: bool, weights: MajorLoopWeighting
-) -> FodSurface:
-    """The surface of the training curves, started at the fit to all curves."""
-    return fit_surface(train, whole.surface.form, anchor=anchor, weights=weights, start=whole).surface
 
 
 def _positive_refit(data: FodData, whole: PositiveFit) -> Callable[[Mask], FodTable]:

@@ -7,15 +7,28 @@
 
 Differences count if they exceed five times the noise of a reading, and rises and crossings of a wire in motion if they
 also exceed what it moves within one tick.
+
+The crossing of the default one-wire twin, which the measured wire of the thesis does not have (§5.4.1).
+
+How far an output moves within one tick of its reading: a wire in motion is read at some moment of the tick.
+
+The current, the computed temperature and the position of one sample belong to one tick, but to different moments of it:
+an instrument is asked in turn, and a command takes effect when it has arrived. So a reading of a moving wire is one of
+the outputs between those of one tick before and one tick after. A settled point is held, and has no such motion.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from smarig.core import Array, spaced
 from smarig.identification.fod_data import DescendingCurve, FodData
 from smarig.identification.surface.curve_fit import fit_curves
+from smarig.preisach import thesis_surface
+from smarig.record import Run
+from smarig.theory import crossing_descending
 
 SIGNIFICANT = 5.0
 _DENSE = 20  # points of a curve whose third differences show its noise
@@ -202,3 +215,57 @@ def _top_angle(data: FodData, descending_curves: list[DescendingCurve], noise: f
     fall = outputs[-1] - np.interp(below, top.beta[::-1], top.y[::-1])
     scale = width / height / (top.alpha - below)
     return float((rise - fall) * scale), float(np.nan_to_num(noise) * np.sqrt(2) * scale)
+
+
+_THESIS_WIRE = "one"  # surfaces of the one-wire rig, whose measured curves do not cross
+
+
+def twin_crossing_note(runs: Sequence[Run]) -> str:
+    """A sentence on crossing curves of a twin whose surface itself crosses; "" for all other runs.
+
+    The thesis finds no crossing in the measured curves of this wire; its fitted surface one_e has one.
+    """
+    names = {_surface_name(run) for run in runs}
+    if len(names) != 1 or not (name := names.pop()).startswith(f"{_THESIS_WIRE}_"):
+        return ""
+    surface = thesis_surface(name)
+    found = crossing_descending(surface)
+    if found is None:
+        return ""
+    return (
+        f"This crossing is that of the twin's surface {name} of Table 5.1 (up to {found.depth:.2g} {surface.unit}); "
+        "the curves that the thesis measured on its wire do not cross (§5.4.1)."
+    )
+
+
+def _surface_name(run: Run) -> str:
+    """The surface of Table 5.1 that a twin simulates; "" for a bench, another surface, or a thermomechanical wire."""
+    values: Any = run.info.actuator_values
+    if not run.twin or not isinstance(values, dict) or values.get("thermomechanical"):
+        return ""
+    section = values.get("hysteresis")
+    name = section.get("surface") if isinstance(section, dict) else None
+    return name if isinstance(name, str) else ""
+
+
+def motion_within_a_tick(runs: Sequence[Run], data: FodData) -> Array:
+    """The larger motion of the output in the tick before and after each point (k,); 0 at settled points and in runs
+    without a clock.
+    """
+    moved = np.zeros(len(data))
+    for number, run in enumerate(runs):
+        rows = data.run == number
+        if rows.any() and not run.settled and run.has("t_s"):
+            moved[rows] = _of_samples(run)[data.point[rows]]
+    return moved
+
+
+def _of_samples(run: Run) -> Array:
+    """The motion at each sample of a run (n,) with an input and a position."""
+    known = np.isfinite(run["input"]) & np.isfinite(run["position"])
+    ticks, place = np.unique(
+        run["tick"][known], return_inverse=True
+    )  # a turning point is in two of the points
+    y = np.bincount(place, run["position"][known]) / np.bincount(place)
+    per_tick = np.abs(np.diff(y)) / np.diff(ticks)  # a mean of several samples moves by less in one
+    return np.maximum(np.append(0.0, per_tick), np.append(per_tick, 0.0))[place]

@@ -18,9 +18,7 @@ from scipy.sparse import csr_matrix
 
 from smarig.core import Array, DataError, UsageError, spaced, t_quantile
 from smarig.identification.fod_data import FodData
-from smarig.identification.surface.slope_residuals import slope_rows
-from smarig.identification.surface.surface_jacobian import jacobian
-from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
+from smarig.identification.surface.surface_jacobian import FLATTEST, jacobian, ranked_starts, slope_rows
 from smarig.preisach import FodSurface, Parameters, SurfaceForm, surface_form
 
 MajorLoopWeighting = Literal["residual", "square"]

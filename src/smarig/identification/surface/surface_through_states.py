@@ -8,10 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.sparse import csr_matrix
 
 from smarig.core import Array, UsageError
-from smarig.identification.positive.observations import COMMON, Observations
+from smarig.identification.positive.observations import Observations
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.preisach import FodSurface
 
@@ -26,7 +25,7 @@ def surface_through_states(rows: Observations, start: FodSurface) -> FodSurface 
     p = np.array([*start.x, start.y_upper, start.y_lower])
     if rows.released or len(rows) <= p.size + rows.offsets:
         return None
-    corners, zeros = _corners(rows), _zeros(rows)
+    corners, zeros = rows.corner_sums, rows.free_zeros
 
     def surface(q: Array) -> FodSurface:
         *x, upper, lower = q[: p.size].tolist()
@@ -55,14 +54,3 @@ def surface_through_states(rows: Observations, start: FodSurface) -> FodSurface 
     fitted = surface(found.x)
     same_direction = (fitted.y_upper - fitted.y_lower) * (start.y_upper - start.y_lower) > 0
     return fitted if same_direction and np.isfinite(found.x).all() else None
-
-
-def _corners(rows: Observations) -> csr_matrix:
-    """The signed sums (m, t) over the surface's values at the corners."""
-    return csr_matrix((rows.sign, (rows.term, np.arange(rows.sign.size))), shape=(len(rows), rows.sign.size))
-
-
-def _zeros(rows: Observations) -> csr_matrix:
-    """Which free zero (m, offsets) each output has."""
-    free = np.flatnonzero(rows.zero != COMMON)
-    return csr_matrix((np.ones(free.size), (free, rows.zero[free])), shape=(len(rows), rows.offsets))

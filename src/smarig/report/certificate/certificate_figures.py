@@ -13,8 +13,8 @@ from smarig.report.components.figure import Figure, Panel, axis, dots, line
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import display_unit
 from smarig.report.components.style import INK, MODEL
-from smarig.report.models.density_figures import map_panel, per_square
 from smarig.report.models.identification_plot_data import density_of
+from smarig.report.models.plane_figures import map_panel, per_square
 
 
 def certificate_figure(model: Model, found: ModelCertificate, origin: str, label: str) -> Figure:

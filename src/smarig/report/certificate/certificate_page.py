@@ -6,7 +6,6 @@ from typing import Any
 
 from smarig.certify import (
     CONTROL_FINDINGS,
-    Hypothesis,
     MeasuredPassivity,
     ModelCertificate,
     PositionController,
@@ -71,16 +70,8 @@ class CertifiedModel:
 
 def certified_model(model: Model, file: str, sha256: str) -> CertifiedModel:
     """The description of a model and its file."""
-    runs = tuple(
-        {
-            "run": Path(p.run).name,
-            "sha256": p.sha256,
-            "protocol": p.protocol,
-            "source": p.source,
-            "rows": p.rows,
-        }
-        for p in model.provenance
-    )
+    kept = ("sha256", "protocol", "source", "rows")
+    runs = tuple({"run": Path(p.run).name} | {key: getattr(p, key) for key in kept} for p in model.provenance)
     effects = tuple(str(e.get("name")) for e in model.effects)
     return CertifiedModel(
         model=model.name, file=file, sha256=sha256, twin=model.twin, rig=model.rig, data=runs, effects=effects
@@ -112,15 +103,10 @@ class Further:
     def to_json(self) -> dict[str, Any]:
         """Plain values; keys only for results that exist."""
         measured = [{"run": name} | m.to_json() for name, m in self.measured.items()]
-        return (
-            ({"measured": measured} if measured else {})
-            | (
-                {"position_supply": [k.to_json() for k in self.position_controllers]}
-                if self.position_controllers
-                else {}
-            )
-            | ({"robust": self.robust.to_json()} if self.robust else {})
-        )
+        position = [k.to_json() for k in self.position_controllers]
+        robust = self.robust.to_json() if self.robust else None
+        found = {"measured": measured, "position_supply": position, "robust": robust}
+        return {key: value for key, value in found.items() if value}
 
 
 def certificate_page(
@@ -190,11 +176,12 @@ def certificate_cards(found: ModelCertificate) -> Html:
         "none": "none exists",
         "undecided": "unknown",
     }[s.basis]
+    initial = "B*" if found.initial == "anhysteretic" else "negative saturation"
     return cards(
         [
             ("Class of μ", inside, f"g ≥ 0: {'yes' if found.g_not_negative else 'no'}"),
             ("Storage", with_subscripts(basis), _storage_text(s)),
-            ("Bias from u(0) = 0", _bias_text(found), f"initial state: {_initial_state_text(found)}"),
+            ("Bias from u(0) = 0", _bias_text(found), f"initial state: {initial}"),
         ]
     )
 
@@ -210,10 +197,6 @@ def _bias_text(found: ModelCertificate) -> str:
     if found.storage_bound.basis in ("none", "undecided"):
         return "no bound" if found.storage_bound.basis == "none" else "unknown"
     return f"{number(found.storage_bound.energy)}{spaced(display_unit(found.storage_bound.unit))}"
-
-
-def _initial_state_text(found: ModelCertificate) -> str:
-    return "B*" if found.initial == "anhysteretic" else "negative saturation"
 
 
 def velocity_parts(found: ModelCertificate) -> list[Html]:
@@ -302,17 +285,14 @@ def hypotheses_table(found: ModelCertificate) -> Html:
     rows = [("Thm 8.1", h.name, HOLDS_TEXT[h.holds], with_subscripts(h.why)) for h in found.hypotheses]
     rows += [
         ("Thm 8.2", with_subscripts(h.name), HOLDS_TEXT[h.holds], with_subscripts(h.why))
-        for h in _common_hypotheses(found)
+        for h in found.controllers[0].stability.hypotheses
+        if not h.name.startswith("H₁")
     ]
     return table(
         ("Theorem", "Hypothesis", "Verdict", "Why"),
         rows,
         "All hypotheses of both theorems. Those on H₁ hold by construction.",
     )
-
-
-def _common_hypotheses(found: ModelCertificate) -> list[Hypothesis]:
-    return [h for h in found.controllers[0].stability.hypotheses if not h.name.startswith("H₁")]
 
 
 def _exclusion_notice(about: CertifiedModel) -> list[Html]:

@@ -1,6 +1,5 @@
 """Figures of a closed loop over time and over the input: reference, position, error in counts, current, temperature."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,28 +12,25 @@ from smarig.report.closed_loop.closed_loop_text import size as size_of
 from smarig.report.closed_loop.loop_result import LoopSegment, RegulationResult, TrackingResult
 from smarig.report.closed_loop.regulation_plane_figure import B_ELL
 from smarig.report.components.decimate import POINTS, envelope, path
-from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, line
+from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, line
 from smarig.report.components.html import joined
 from smarig.report.components.numbers import counts, number
 from smarig.report.components.run_description import (
     count_size,
     display_unit,
     input_title,
+    loop_axes,
     output_title,
     run_caption,
     source_label,
 )
-from smarig.report.components.style import CURRENT, GREY, INK, POSITION, TEMPERATURE
+from smarig.report.components.style import BAND, CURRENT, GREY, INK, POSITION, TEMPERATURE
 from smarig.report.runs.hysteresis_figure import direction_traces
-from smarig.report.runs.time_figures import time_unit
+from smarig.report.runs.time_figures import ROWS, stacked_layout, time_unit
 
-ROWS = ("y", "y2", "y3", "y4", "y5")
 _SHARES = (0.34, 0.26, 0.18, 0.22)  # of the height, from above
-_MIN_HALF_RANGE_COUNTS, _QUANTILE_FACTOR = (
-    12.0,
-    3.0,
-)  # limits of the error axis at jumps of a reference; the factor applies to the 90 % quantile
-BAND = "rgba(107,114,128,.18)"
+# Limits of the error axis at jumps of a reference; the factor applies to the 90 % quantile.
+_MIN_HALF_RANGE_COUNTS, _QUANTILE_FACTOR = 12.0, 3.0
 
 
 def tracking_figure(run: Run, found: TrackingResult) -> Figure:
@@ -98,7 +94,7 @@ def loop_hysteresis_figure(run: Run, loop: LoopSegment, *, moves: bool = True) -
     u, y = loop.input_K[kept], loop.position[kept]
     thinned = _evenly_along_input(run["input"])
     whole = line(run["input"][thinned], run["position"][thinned], "before and after", GREY, width=0.8)
-    layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+    layout = loop_axes(run)
     size = count_size(run)
     return Figure(
         [
@@ -164,31 +160,10 @@ def _time_panel(run: Run, loop: LoopSegment, half_range: float | None) -> tuple[
         )
     data.append(line(t, loop.wanted, "reference", INK, width=1.3, dash="dot", yaxis="y"))
     titles = (output_title(run), errors, "Current (A)", input_title(run))
-    layout = stacked_layout(titles, _SHARES, f"Time since the loop was closed ({unit})")
+    layout = stacked_layout(titles, f"Time since the loop was closed ({unit})", _SHARES)
     if half_range is not None:
         layout["yaxis2"]["range"] = [-half_range, half_range]
     return data, layout
-
-
-def stacked_layout(titles: Sequence[str], shares: Sequence[float], t_title: str) -> dict[str, Any]:
-    """The layout of rows that share one time axis, each with its share of the height."""
-    last = ROWS[len(titles) - 1]
-    layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=last, mirror=False), "showlegend": True}
-    top = 1.0
-    for title, share, name in zip(titles, shares, ROWS):
-        words = (
-            title.replace(" above ambient", "<br>above ambient")
-            .replace(", ", ",<br>")
-            .replace(" T₁", "<br>T₁")
-        )
-        layout[f"yaxis{name[1:]}"] = {
-            "title": {"text": words, "font": {"size": 11}},
-            "domain": [max(top - share + 0.03, 0.0) if name != last else 0.0, top],
-            "mirror": False,
-            "nticks": 6,
-        }
-        top -= share
-    return layout
 
 
 def tolerance_band(t: Array, low: float, **more: Any) -> Trace:

@@ -13,16 +13,14 @@ from smarig.report.closed_loop.closed_loop_figures import (
     regulation_figure,
     tracking_figure,
 )
-from smarig.report.closed_loop.closed_loop_text import zero_below_resolution
-from smarig.report.closed_loop.loop_assessment import loop_assessment
+from smarig.report.closed_loop.closed_loop_text import loop_assessment, zero_below_resolution
 from smarig.report.closed_loop.loop_result import (
     RegulationResult,
     TrackingResult,
     closed_loop_result,
     is_closed_loop,
 )
-from smarig.report.closed_loop.observed_figure import observed_figure
-from smarig.report.closed_loop.observed_position import observed_text
+from smarig.report.closed_loop.observed_position import observed_figure, observed_text
 from smarig.report.closed_loop.regulation_plane_figure import B_ELL, regulation_plane_figure
 from smarig.report.closed_loop.velocity_sections import velocity_parts
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, table, tag

@@ -13,16 +13,14 @@ from smarig.record import Run
 from smarig.report.certificate.certificate_page import with_subscripts
 from smarig.report.closed_loop.closed_loop_text import zero_below_resolution
 from smarig.report.closed_loop.loop_comparison_figures import (
-    preisach_plane_figure,
-    regulation_overlay_figure,
-    tracking_overlay_figure,
-)
-from smarig.report.closed_loop.loop_groups import (
     ComparedLoop,
     ComparedRegulation,
     ComparedTracking,
     group_by_reference,
     group_by_setpoint,
+    preisach_plane_figure,
+    regulation_overlay_figure,
+    tracking_overlay_figure,
 )
 from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult, closed_loop_result
 from smarig.report.closed_loop.regulation_plane_figure import B_ELL

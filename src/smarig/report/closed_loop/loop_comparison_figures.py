@@ -1,21 +1,21 @@
-"""Overlays of closed loops: over time for one reference; over time, input and the Preisach plane for one set-point."""
+"""Overlays of comparable closed loops: those of one reference over time; of one set-point also in the plane."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from smarig.control import SETTLING_BAND_COUNTS, BoundaryPlane
 from smarig.core import Array
+from smarig.record import Run
 from smarig.report.closed_loop.closed_loop_figures import (
-    ROWS,
     clipped_text,
     disturbance_shading,
     error_half_range,
-    stacked_layout,
     tolerance_band,
 )
-from smarig.report.closed_loop.loop_groups import ComparedLoop, ComparedRegulation, ComparedTracking
+from smarig.report.closed_loop.loop_result import LoopSegment, RegulationResult, TrackingResult
 from smarig.report.closed_loop.regulation_plane_figure import B_ELL, boundary_curve
 from smarig.report.components.decimate import POINTS, envelope, path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, line
@@ -23,7 +23,68 @@ from smarig.report.components.html import Html, joined
 from smarig.report.components.run_description import display_unit, input_title, output_title, source_label
 from smarig.report.components.style import COMPARED, DASHES, GREY, INK
 from smarig.report.runs.run_comparison_figures import runs_caption
-from smarig.report.runs.time_figures import time_unit
+from smarig.report.runs.time_figures import ROWS, stacked_layout, time_unit
+
+Found = TypeVar("Found", TrackingResult, RegulationResult)
+_EMPTY_SEGMENT = LoopSegment(*(np.empty(0) for _ in range(5)), count=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedLoop(Generic[Found]):
+    """A closed loop in a comparison; ``k`` is the colour index of its run on the page."""
+
+    k: int
+    name: str
+    run: Run
+    result: Found
+
+    @property
+    def loop(self) -> LoopSegment:
+        """The samples of the loop; none if it was never closed."""
+        return self.result.loop or _EMPTY_SEGMENT
+
+    @property
+    def count(self) -> float:
+        """One count in the run's unit; 0 if the loop was never closed or the count size is unknown."""
+        return self.loop.count
+
+    @property
+    def drawn(self) -> bool:
+        """Whether the loop has enough samples to draw."""
+        return self.loop.t_s.size >= 2
+
+    @property
+    def lead_s(self) -> float | None:
+        """The preview time of its controller, None if the record does not contain it."""
+        try:
+            return float(self.run.info.settings["lead_s"])
+        except (KeyError, TypeError, ValueError):
+            return None
+
+
+ComparedTracking = ComparedLoop[TrackingResult]
+ComparedRegulation = ComparedLoop[RegulationResult]
+
+
+def group_by_reference(loops: Sequence[ComparedTracking]) -> list[list[ComparedTracking]]:
+    """Group loops with the same positions at the same times, independent of the reference's name."""
+    return _grouped(loops, [(r.t_s, r.position, r.held) for r in (each.result.reference for each in loops)])
+
+
+def group_by_setpoint(loops: Sequence[ComparedRegulation]) -> list[list[ComparedRegulation]]:
+    """Group loops with the same set-point and the same disturbance."""
+    return _grouped(
+        loops, [(each.result.setpoint_data["setpoint"], each.result.disturbance_K) for each in loops]
+    )
+
+
+def _grouped(
+    loops: Sequence[ComparedLoop[Found]], keys: Sequence[Hashable]
+) -> list[list[ComparedLoop[Found]]]:
+    groups: dict[Hashable, list[ComparedLoop[Found]]] = {}
+    for each, key in zip(loops, keys):
+        groups.setdefault(key, []).append(each)
+    return list(groups.values())
 
 
 def tracking_overlay_figure(loops: Sequence[ComparedTracking]) -> Figure | None:
@@ -42,7 +103,7 @@ def tracking_overlay_figure(loops: Sequence[ComparedTracking]) -> Figure | None:
         data += [_time_trace(each, loop.t_s / size, values, row) for row, values in enumerate(columns)]
     data.append(_reference_line(loops[0], size))
     titles = (output_title(run), f"Error ({'counts' if counted else display_unit(run.unit)})", "Current (A)")
-    layout = stacked_layout(titles, (0.42, 0.34, 0.24), f"Time since the loop was closed ({unit})")
+    layout = stacked_layout(titles, f"Time since the loop was closed ({unit})", (0.42, 0.34, 0.24))
     words = "Second row: error (measured − reference)."
     if counted:
         settled_errors = [each.loop.error[each.loop.t_s >= each.result.skip_s] for each in loops]
@@ -70,7 +131,8 @@ def regulation_overlay_figure(loops: Sequence[ComparedRegulation]) -> Figure | N
     shown = [(each.result.transient or 0.0) / (each.count or 1.0) for each in loops]
     half_range = error_half_range(all_errors, max(shown)) if counted else 1.05 * float(np.nanmax(all_errors))
     data: list[Trace] = [tolerance_band(_longest_time(loops) / size, 0.0)] if counted else []
-    disturbances = dict.fromkeys((round(on), round(off)) for on, off in _disturbances_text(loops))
+    known = [each.result.disturbance_s for each in loops if each.result.disturbance_s is not None]
+    disturbances = dict.fromkeys((round(on), round(off)) for on, off in known)
     data += [
         disturbance_shading(on / size, off / size, 0.0, half_range, showlegend=k == 0)
         for k, (on, off) in enumerate(disturbances)
@@ -79,9 +141,8 @@ def regulation_overlay_figure(loops: Sequence[ComparedRegulation]) -> Figure | N
         t, input_K = each.loop.t_s / size, each.loop.input_K
         data += [_time_trace(each, t, error, 0), _time_trace(each, t, input_K, 1)]
     what = f"|measured − set-point| ({'counts' if counted else display_unit(run.unit)})"
-    layout = stacked_layout(
-        (what, input_title(run)), (0.62, 0.38), f"Time since the loop was closed ({unit})"
-    )
+    titles = (what, input_title(run))
+    layout = stacked_layout(titles, f"Time since the loop was closed ({unit})", (0.62, 0.38))
     layout["yaxis"]["range"] = [0.0, half_range]
     return Figure(
         [Panel(data, layout, 560)],
@@ -153,10 +214,6 @@ def _output_path(each: ComparedRegulation) -> Trace:
     loop = each.loop
     kept = path(loop.input_K, loop.position)
     return _line(each, loop.input_K[kept], loop.position[kept] + each.result.zero)
-
-
-def _disturbances_text(loops: Sequence[ComparedRegulation]) -> list[tuple[float, float]]:
-    return [each.result.disturbance_s for each in loops if each.result.disturbance_s is not None]
 
 
 def _longest_time(loops: Sequence[ComparedLoop]) -> Array:

@@ -99,15 +99,15 @@ class RegulationResult:
     """
 
     setpoint_data: dict[str, Any]
-    loop: LoopSegment | None
-    disturbance_s: tuple[float, float] | None
-    zero: float
     boundary: tuple[tuple[float, float], ...]
     distance_K2: float | None
-    output_error: float | None
-    transient: float | None
-    disturbance_K: float
-    end: HoldEnd | None
+    loop: LoopSegment | None = None
+    disturbance_s: tuple[float, float] | None = None
+    zero: float = 0.0
+    output_error: float | None = None
+    transient: float | None = None
+    disturbance_K: float = 0.0
+    end: HoldEnd | None = None
     observed: ObservedPosition | None = None
 
     def to_json(self) -> dict[str, Any]:
@@ -194,18 +194,7 @@ def _regulation_result(run: Run, mark: Event) -> RegulationResult:
     distance = plane.distance(boundary, float(ell)) if ell is not None else None
     points = plane.points(boundary)
     if closed is None:
-        return RegulationResult(
-            setpoint_data=setpoint_data,
-            loop=None,
-            disturbance_s=None,
-            zero=0.0,
-            boundary=points,
-            distance_K2=distance,
-            output_error=None,
-            transient=None,
-            disturbance_K=0.0,
-            end=None,
-        )
+        return RegulationResult(setpoint_data, points, distance)
     wanted, rows = float(closed.data["wanted_position"]), _closed_rows(run, closed, closed.t_s)
     loop = _segment(run, rows, run["t_s"][rows] - closed.t_s, np.full(rows.size, wanted))
     arrived = next((s.position for s in run.steps if s.branch == "arrive" and s.position is not None), None)

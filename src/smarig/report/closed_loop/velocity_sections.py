@@ -6,7 +6,7 @@ import numpy as np
 
 from smarig.record import Run
 from smarig.report.certificate.certificate_page import HOLDS_TEXT, with_subscripts
-from smarig.report.closed_loop.closed_loop_figures import ROWS, loop_hysteresis_figure, stacked_layout
+from smarig.report.closed_loop.closed_loop_figures import loop_hysteresis_figure
 from smarig.report.closed_loop.loop_result import TrackingResult
 from smarig.report.closed_loop.velocity_result import RATIO, VelocityResult, VelocitySignals, velocity_verdict
 from smarig.report.components.decimate import POINTS, envelope
@@ -21,7 +21,7 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import CURRENT, GREY, INK, MODEL, POSITION, TEMPERATURE
-from smarig.report.runs.time_figures import time_unit
+from smarig.report.runs.time_figures import ROWS, stacked_layout, time_unit
 
 _SHARES = (0.25, 0.22, 0.19, 0.15, 0.19)  # of the height, from above
 
@@ -94,7 +94,7 @@ def velocity_figure(run: Run, found: TrackingResult, velocity: VelocityResult) -
             style = {"width": 1.2, "dash": dash, "yaxis": y_axis, "showlegend": legend}
             data.append(line(t[kept], values[kept], name, colour, **style))
     titles = (f"Velocity ({unit}/s)", "Ratio up to t", output_title(run), "Current (A)", input_title(run))
-    layout = stacked_layout(titles, _SHARES, f"Time since the loop was closed ({t_unit})")
+    layout = stacked_layout(titles, f"Time since the loop was closed ({t_unit})", _SHARES)
     if velocity.k_e is not None:
         bound = [velocity.k_e, velocity.k_e]
         data.append(line([t[0], t[-1]], bound, "kₑ", MODEL, width=1.5, dash="dash", yaxis="y2"))

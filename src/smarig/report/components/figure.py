@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from smarig.core import Array
 from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
+from smarig.report.components.style import BAND, DIVERGING, GREY
 
 Trace = dict[str, Any]
 MOST_DRAWN = 1e30  # in any unit
@@ -193,6 +194,60 @@ def _packed_x(values: ArrayLike) -> dict[str, str]:
     return packed(array, single=array.size > 500)
 
 
+def error_bars(value: ArrayLike, low: ArrayLike, high: ArrayLike, **style: Any) -> dict[str, Any]:
+    """Error bars from ``low`` to ``high`` about values (k,); ``style``: colour, thickness and width."""
+    above, below = (np.subtract(*ends).tolist() for ends in ((high, value), (value, low)))
+    return {"type": "data", "symmetric": False, "array": above, "arrayminus": below, **style}
+
+
+def heat_map(
+    x: Array, y: Array, z: Array, ends: tuple[float, float], scale: str, hover: str, colours: Any = DIVERGING
+) -> Trace:
+    """A map of z (m, n) over x (n,) and y (m,), coloured between ``ends``; ``scale``: quantity and unit."""
+    return {
+        "type": "heatmap",
+        "x": packed(x),
+        "y": packed(y),
+        "z": packed(z, single=True),
+        "colorscale": colours,
+        "zmin": ends[0],
+        "zmax": ends[1],
+        "colorbar": {"title": {"text": scale, "side": "right"}, "thickness": 12},
+        "hovertemplate": f"{hover}<extra></extra>",
+    }
+
+
+def cross(x: float, y: float, name: str, colour: str, size: float, **more: Any) -> Trace:
+    """A thin cross at a point."""
+    return dots(
+        [x],
+        [y],
+        name,
+        colour,
+        symbol="x-thin",
+        size=size,
+        marker={"line": {"width": 2, "color": colour}},
+        **more,
+    )
+
+
+def noise_band(low: float, high: float, half: float, name: str, colour: str = BAND) -> Trace:
+    """A grey band of ± ``half`` from ``low`` to ``high``."""
+    closed = {"width": 0, "fill": "toself", "fillcolor": colour, "hoverinfo": "skip"}
+    return line([low, high, high, low, low], [-half, -half, half, half, -half], name, GREY, **closed)
+
+
+def zero_line(low: float, high: float) -> Trace:
+    """The line on which errors would be none."""
+    return line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False)
+
+
+def error_ground(x: Array, noise: float | None, name: str = "± 2 σ of the noise floor") -> list[Trace]:
+    """What errors over ``x`` are drawn on: a band of ± 2 × ``noise`` where that is known, and the zero."""
+    low, high = float(np.min(x)), float(np.max(x))
+    return [*([noise_band(low, high, 2 * noise, name)] if noise else []), zero_line(low, high)]
+
+
 def plotly_escaped(text: Any) -> Html:
     """Escaped text for a plot, because Plotly interprets markup."""
     return joined([text])
@@ -215,3 +270,8 @@ def log_axis(title: str, low: float, high: float) -> dict[str, Any]:
     texts = [number(tick, 2 if fine else 1).replace(".0 ×", " ×") for tick in ticks]
     ends = [math.log10(low), math.log10(high)]
     return axis(title, type="log", range=ends, tickvals=ticks, ticktext=texts)
+
+
+def figure_with_text(figure: Figure, *parts: Any) -> Html:
+    """The figure at the left and the other parts at the right; below each other on narrow screens and on paper."""
+    return tag("div", figure.html(), tag("div", *parts), class_="with-text")

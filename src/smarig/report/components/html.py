@@ -6,6 +6,8 @@ from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 from typing import Any
 
+from smarig.core import Severity
+
 _VOID = {"br", "meta", "hr", "input"}
 
 
@@ -112,3 +114,8 @@ def with_subscripts(text: str) -> Html:
     """
     parts = re.split(r"(?:(?<=\b[A-Za-z])|(?<=\bΔ[A-Za-z]))(_[A-Za-z]{1,2})\b", text)
     return joined(tag("sub", part[1:]) if part.startswith("_") else part for part in parts)
+
+
+def severity_mark(severity: Severity) -> Html:
+    """The word; its colour comes from the style sheet."""
+    return tag("span", str(severity), class_=f"severity {severity}")

@@ -73,6 +73,15 @@ def to_uncertainty(value: float | None, uncertainty: float) -> str:
     return f"{round(value, -last) + 0.0:.{max(-last, 0)}f}".replace("-", "−")
 
 
+def to_interval(value: float, ci95: tuple[float, float]) -> str:
+    """A number to the second significant digit of half its interval.
+
+    >>> to_interval(2.9876, (2.812, 3.213))
+    '2.99'
+    """
+    return to_uncertainty(value, (ci95[1] - ci95[0]) / 2)
+
+
 def distinct_digits(low: float, high: float) -> int:
     """Significant digits, at least three, with which the ends of an interval differ.
 

@@ -1,4 +1,4 @@
-"""What a page says of itself to an index: its kind, its main sentence, how serious that is, and a small loop.
+"""What a page says first, in three sentences with a level, and of itself to an index: kind, main sentence, small loop.
 
 The summary is stored in the head of the page as plain text and numbers, never as markup, so that an index can read it
 from any file.
@@ -12,7 +12,31 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import Array, UsageError, opened_file
-from smarig.report.components.html import Html, joined, plain, tag
+from smarig.identification import ErrorLevel
+from smarig.report.components.html import Html, joined, notice, paragraph, plain, tag
+
+_LEVELS = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The sentences of a first screen, as text or markup. ``level``: "good", "warning" or "bad"."""
+
+    level: str
+    measured: str
+    quality: str
+    advice: str = ""
+
+    def html(self) -> Html:
+        """A box in the colour of the level; the second sentence is the verdict."""
+        parts = [paragraph(self.measured), paragraph(tag("b", self.quality))]
+        return notice(self.level, *parts, *([paragraph(self.advice)] if self.advice else []))
+
+
+def box_level(level: ErrorLevel) -> str:
+    """The level of a box for that of an error: neither good nor poor is a warning."""
+    return _LEVELS.get(level, "warning")
+
 
 LEVELS = ("good", "warning", "bad")
 _HEAD_BYTES = 60_000

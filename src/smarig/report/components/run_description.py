@@ -3,11 +3,14 @@
 import math
 import re
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
 
 import numpy as np
 
 from smarig.core import Quality, capitalised
 from smarig.record import AnyRun
+from smarig.report.components.figure import axis
 from smarig.report.components.numbers import thousands
 
 _FEWEST_SETTLED = 2
@@ -102,9 +105,29 @@ def output_title(run: AnyRun) -> str:
     return _axis_title(run.info.output.quantity or "output", run.unit)
 
 
+def loop_axes(run: AnyRun) -> dict[str, Any]:
+    """The layout of a panel of output against input."""
+    return {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+
+
 def _axis_title(quantity: str, unit: str) -> str:
-    words = capitalised(quantity).replace("T1 - T2", "T₁ − T₂")
-    return f"{words} ({display_unit(unit)})" if display_unit(unit) else words
+    return with_unit(capitalised(quantity).replace("T1 - T2", "T₁ − T₂"), unit)
+
+
+def with_unit(words: str, unit: str) -> str:
+    """A quantity with its unit as displayed, as for an axis.
+
+    >>> with_unit("Length", "um"), with_unit("Share", "1")
+    ('Length (µm)', 'Share')
+    """
+    shown = display_unit(unit)
+    return f"{words} ({shown})" if shown else words
+
+
+def started(run: AnyRun, form: str = "%Y-%m-%d %H:%M") -> str:
+    """The start of a run's session in UTC; "" if it is unknown."""
+    epoch = run.info.start_epoch
+    return datetime.fromtimestamp(epoch, UTC).strftime(form) if epoch else ""
 
 
 def count_size(run: AnyRun) -> float:

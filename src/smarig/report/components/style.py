@@ -26,6 +26,7 @@ SYMBOLS = (
     "star-open",
     "hexagon-open",
 )
+BAND = "rgba(107,114,128,.18)"  # of noise, of a tolerance, of an interval
 SEQUENCE = "Cividis"
 # Red positive, blue negative, white zero (after ColorBrewer RdBu).
 DIVERGING = [

@@ -9,10 +9,20 @@ from numpy.typing import NDArray
 
 from smarig.core import Array, root_mean_square
 from smarig.diagnosis import AT_FLOOR, PREDICTION_LIMIT, CommandedDiagnosis, HeldOutGain, share_text
-from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
+from smarig.report.components.figure import (
+    AXIS_MARGIN,
+    Figure,
+    Panel,
+    Trace,
+    axis,
+    dots,
+    line,
+    log_axis,
+    noise_band,
+    zero_line,
+)
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
-from smarig.report.runs.representation_figure import noise_band
 
 _ModelErrors = Sequence[tuple[str, str, Array]]  # name, colour, errors
 _MARKER_SHIFT = 0.13  # blocks: distance of the two models' marks
@@ -71,9 +81,10 @@ def _blocks(gain: HeldOutGain) -> Array:
 
 
 def _error_panel(gain: HeldOutGain, models: _ModelErrors, x: dict[str, Any], unit: str) -> Panel:
+    low, high = x["range"]
     data: list[Trace] = [
-        noise_band(x["range"][0], x["range"][1], 2 * gain.floor, f"± 2 × {PREDICTION_LIMIT}"),
-        line(x["range"], [0, 0], "zero", GREY, width=1, showlegend=False),
+        noise_band(low, high, 2 * gain.floor, f"± 2 × {PREDICTION_LIMIT}"),
+        zero_line(low, high),
     ]
     for (name, colour, error), shift in zip(models, (-_MARKER_SHIFT, _MARKER_SHIFT)):
         data += _error_trace(gain, _blocks(gain) + shift, error, name, colour)

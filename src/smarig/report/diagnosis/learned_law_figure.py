@@ -5,7 +5,7 @@ import numpy as np
 from smarig.diagnosis import CommandedLaw, LearnedLaw
 from smarig.measurement import LearnedTerm, variable_unit
 from smarig.report.components.figure import Figure, Panel, axis, dots, line, log_axis
-from smarig.report.components.run_description import display_unit
+from smarig.report.components.run_description import display_unit, with_unit
 from smarig.report.components.style import INK, MODEL
 
 _KNOTS = [
@@ -57,12 +57,10 @@ def learned_law_figure(law: LearnedLaw, label: str) -> Figure:
 def commanded_law_figure(found: CommandedLaw, output_unit: str, label: str) -> Figure:
     """The law of commanded runs; ``label`` marks simulated data."""
     shape, (z, values) = found.shape, np.array(found.points).T
-    unit = "" if shape.unit == "1" else f" ({display_unit(shape.unit)})"
-    of_variable = display_unit(shape.variable_unit or output_unit)
-    title = _COMMANDED[shape.variable] + (f" ({of_variable})" if of_variable else "")
+    title = with_unit(_COMMANDED[shape.variable], shape.variable_unit or output_unit)
     data = [line(z, values, "learned", MODEL), dots(z, values, "knots", INK)]
     x = log_axis(title, 0.9 * float(z[0]), 1.1 * float(z[-1])) if shape.variable == "hold" else axis(title)
-    panel = Panel(data, {"xaxis": x, "yaxis": axis(_VALUES[shape.enters] + unit)})
+    panel = Panel(data, {"xaxis": x, "yaxis": axis(with_unit(_VALUES[shape.enters], shape.unit))})
     return Figure([panel], "The learned term.", _KNOTS, label)
 
 
@@ -70,17 +68,18 @@ def _panel(law: LearnedLaw, term: LearnedTerm) -> Panel:
     z, values = np.array(term.knots), np.array(term.values)
     x = 10**z if term.variable == "rate" else z
     data = [line(x, values, "learned", MODEL), dots(x, values, "knots", INK)]
-    return Panel(data, {"xaxis": _variable_axis(law, term, x), "yaxis": axis(_value_title(law, term))})
+    return Panel(
+        data,
+        {
+            "xaxis": _variable_axis(law, term, x),
+            "yaxis": axis(with_unit(_VALUES[term.form], law.value_unit(term))),
+        },
+    )
 
 
 def _variable_axis(law: LearnedLaw, term: LearnedTerm, x: np.ndarray) -> dict:
     unit = variable_unit(term.variable, display_unit(law.input_unit))
     unit = display_unit(law.output_unit) if term.variable == "level" else unit
     quantity = _QUANTITIES.get(term.variable, term.variable.capitalize())
-    title = f"{quantity} ({unit})" if unit not in ("", "1") else quantity
+    title = with_unit(quantity, unit)
     return log_axis(title, 0.9 * float(x[0]), 1.1 * float(x[-1])) if term.variable == "rate" else axis(title)
-
-
-def _value_title(law: LearnedLaw, term: LearnedTerm) -> str:
-    unit = law.value_unit(term)
-    return _VALUES[term.form] + (f" ({display_unit(unit)})" if unit != "1" else "")

@@ -3,10 +3,10 @@
 Panels are in Plotly's schema, which the interactive view also reads; this package draws the part of it that pages use.
 """
 
+import logging
 from typing import TYPE_CHECKING
 
 from smarig.core.lazy_exports import lazy_exports
-from smarig.report.drawing.matplotlib_messages import hide_folder_messages
 
 if TYPE_CHECKING:
     from smarig.report.drawing.drawing import NARROW_PX as NARROW_PX
@@ -20,4 +20,12 @@ if TYPE_CHECKING:
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)
 
-hide_folder_messages()
+_FOLDER_WORDS = ("mkdir -p failed", "is not a writable directory", "temporary cache directory")
+
+
+def _is_of_other_matter(record: logging.LogRecord) -> bool:
+    return not any(words in record.getMessage() for words in _FOLDER_WORDS)
+
+
+# Where the home folder cannot be written, Matplotlib uses a temporary one, and logs that when it is imported.
+logging.getLogger("matplotlib").addFilter(_is_of_other_matter)

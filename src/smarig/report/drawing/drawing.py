@@ -15,14 +15,74 @@ from matplotlib.figure import Figure as MplFigure
 
 from smarig.core import UsageError
 from smarig.report.components.figure import WATERMARK, Panel
+from smarig.report.components.style import INK
 from smarig.report.drawing.compact_svg import compact_svg
-from smarig.report.drawing.field_traces import draw_contour, draw_map, draw_solid_points, draw_surface
-from smarig.report.drawing.margins import LEGEND_ROW_PX, set_margins
-from smarig.report.drawing.markup import plain_text
-from smarig.report.drawing.panel_axes import finish_axes, panel_axes, row_names, set_vertical
-from smarig.report.drawing.plot_style import style
-from smarig.report.drawing.point_traces import draw_bars, draw_points
-from smarig.report.drawing.trace_values import is_shown
+from smarig.report.drawing.panel_axes import (
+    LEGEND_ROW_PX,
+    finish_axes,
+    panel_axes,
+    row_names,
+    set_margins,
+    set_vertical,
+)
+from smarig.report.drawing.plotly_schema import is_shown, plain_text
+from smarig.report.drawing.traces import (
+    draw_bars,
+    draw_contour,
+    draw_map,
+    draw_points,
+    draw_solid_points,
+    draw_surface,
+)
+
+_GRID = "#eceff3"
+_STYLE: dict[str, Any] = {
+    "font.family": ["sans-serif"],
+    "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica"],
+    "font.size": 12.5,
+    "axes.labelsize": 12.5,
+    "axes.titlesize": 13.0,
+    "xtick.labelsize": 11.0,
+    "ytick.labelsize": 11.0,
+    "legend.fontsize": 11.0,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": _GRID,
+    "grid.linewidth": 0.8,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.size": 4.0,
+    "ytick.major.size": 4.0,
+    "axes.unicode_minus": True,
+    "axes.formatter.limits": (-4, 5),
+    "lines.solid_capstyle": "round",
+    "lines.solid_joinstyle": "round",
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.borderaxespad": 0.2,
+    "legend.columnspacing": 1.4,
+    "figure.facecolor": "none",
+    "axes.facecolor": "white",
+    "savefig.facecolor": "white",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.3,
+    "svg.fonttype": "none",
+    "svg.image_inline": True,
+    "pdf.fonttype": 42,
+    "mathtext.default": "regular",
+}
+
+
+def style(**more: Any) -> Any:
+    """The settings of Matplotlib for a drawing; ``more`` replaces some."""
+    return _STYLE | more
+
 
 NARROW_PX, WIDTH_PX, WIDE_PX = 380, 560, 1130  # three, two, one panel a row
 _CHARACTER_PX, _HANDLE_PX = 6.2, 42.0  # of an entry of a legend

@@ -8,10 +8,16 @@ from smarig.identification import SIGNIFICANT, CentralRidge
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.html import Html
 from smarig.report.components.numbers import number
-from smarig.report.components.run_description import display_unit, input_title, output_title, source_label
+from smarig.report.components.run_description import (
+    display_unit,
+    input_title,
+    output_title,
+    source_label,
+    with_unit,
+)
 from smarig.report.components.style import COMPARED, GREY, INK, MODEL, colours
 from smarig.report.forc.forc_evidence import ForcEvidence
-from smarig.report.models.density_figures import per_square, readable_scale
+from smarig.report.models.plane_figures import per_square, readable_scale
 
 _MOST_CURVES = 60
 _BAND = "rgba(0,114,178,.18)"
@@ -118,7 +124,7 @@ def smoothing_figure(e: ForcEvidence) -> Figure | None:
         "xaxis": axis(
             "Smoothing factor SF (grid steps)", range=[0, 1.05 * max(c.factor for c in e.diagram.tried)]
         ),
-        "yaxis": log_axis(f"Error of prediction, rms{_bracketed(e.run.unit)}", low, high),
+        "yaxis": log_axis(with_unit("Error of prediction, rms", e.run.unit), low, high),
     }
     return Figure(
         [Panel(data, layout, 340)],
@@ -196,8 +202,3 @@ def _drift_words(drift: DriftDecision, unit: str) -> str:
         f"Every second curve is predicted from its neighbours: rms error {number(drift.error['none'], 4)}{shown} as "
         f"measured, {errors} (n = {drift.n}). {verdict}"
     )
-
-
-def _bracketed(unit: str) -> str:
-    shown = display_unit(unit)
-    return f" ({shown})" if shown else ""

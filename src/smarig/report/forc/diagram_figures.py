@@ -9,12 +9,12 @@ from scipy.ndimage import label
 
 from smarig.core import Array, number_from_text
 from smarig.identification import SIGNIFICANT, ForcDiagram
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
+from smarig.report.components.figure import Figure, Panel, Trace, axis, cross, heat_map, line, packed
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import display_unit, source_label
-from smarig.report.components.style import DIVERGING, INK, SEQUENCE
+from smarig.report.components.style import INK, SEQUENCE
 from smarig.report.forc.forc_evidence import ForcEvidence
-from smarig.report.models.density_figures import per_square, readable_scale
+from smarig.report.models.plane_figures import per_square, readable_scale
 
 Mask = NDArray[np.bool_]
 _SHARES = (-0.5, -0.2, 0.1, 0.2, 0.4, 0.6, 0.8)  # of the largest density, at the contours
@@ -99,9 +99,8 @@ def _panel(
         _lines(x, y, kept.astype(float), [0.5], INK, 1.6),
     ]
     if d.peak:
-        at = [d.peak.half_width * scale.factor], [d.peak.centre * scale.factor]
-        cross = {"symbol": "x-thin", "size": 10, "marker": {"line": {"width": 2, "color": INK}}}
-        data.append(dots(*at, "peak", INK, **cross))
+        at = d.peak.half_width * scale.factor, d.peak.centre * scale.factor
+        data.append(cross(*at, "peak", INK, size=10))
     layout = _diagram_axes(e, d, kept) | {"showlegend": False}
     if title:
         layout["title"] = {"text": title, "font": {"size": 14}, "x": 0.02, "y": 0.97}
@@ -162,17 +161,8 @@ def _map(x: Array, y: Array, mu: Array, top: float, e: ForcEvidence) -> Trace:
     size, words = readable_scale(top / scale.factor**2, unit)
     shown = mu / scale.factor**2 / size
     limit = top / scale.factor**2 / size
-    return {
-        "type": "heatmap",
-        "x": packed(x),
-        "y": packed(y),
-        "z": packed(shown, single=True),
-        "colorscale": DIVERGING,
-        "zmin": -limit,
-        "zmax": limit,
-        "colorbar": {"title": {"text": f"{scale.density} ({words})", "side": "right"}, "thickness": 12},
-        "hovertemplate": f"%{{x:.4g}}, %{{y:.4g}}<br>{scale.density} %{{z:.3g}}<extra></extra>",
-    }
+    hover = f"%{{x:.4g}}, %{{y:.4g}}<br>{scale.density} %{{z:.3g}}"
+    return heat_map(x, y, shown, (-limit, limit), f"{scale.density} ({words})", hover)
 
 
 def _contours(x: Array, y: Array, mu: Array, top: float) -> list[Trace]:
@@ -262,18 +252,11 @@ def _error_panel(e: ForcEvidence) -> Panel:
     se = d.se / scale.factor**2
     top = float(np.nanquantile(se, 0.98))
     size, unit = readable_scale(top, per_square(display_unit(e.run.unit), scale.unit))
-    data: list[Trace] = [
-        {
-            "type": "heatmap",
-            "x": packed(d.half_width * scale.factor),
-            "y": packed(d.centre * scale.factor),
-            "z": packed(se / size, single=True),
-            "colorscale": SEQUENCE,
-            "zmin": 0.0,
-            "zmax": top / size,
-            "colorbar": {"title": {"text": f"standard error of {scale.density} ({unit})", "side": "right"}},
-            "hovertemplate": "%{x:.4g}, %{y:.4g}<br>%{z:.3g}<extra></extra>",
-        }
-    ]
+    x, y, words = (
+        d.half_width * scale.factor,
+        d.centre * scale.factor,
+        f"standard error of {scale.density} ({unit})",
+    )
+    data = [heat_map(x, y, se / size, (0.0, top / size), words, "%{x:.4g}, %{y:.4g}<br>%{z:.3g}", SEQUENCE)]
     layout = _diagram_axes(e, d, np.isfinite(d.mu)) | {"showlegend": False}
     return Panel(data, layout, _SIZE_PX)

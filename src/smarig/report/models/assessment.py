@@ -10,14 +10,13 @@ from smarig.diagnosis import DIAGNOSIS_MODEL, CommandedDiagnosis, variable_exper
 from smarig.identification import ErrorLevel, ErrorVerdict, Verification, error_verdict
 from smarig.plant import Effect
 from smarig.record import Run
-from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, runs_text
+from smarig.report.components.page_summary import Assessment, box_level
 from smarig.report.components.run_description import display_unit, duration_s, extent
 from smarig.report.diagnosis.verdict_text import changes_text, strengths_text
-from smarig.report.models.evidence import Evidence
+from smarig.report.models.evidence import Evidence, settled_range, stroke_run, stroke_text
 from smarig.report.models.model_tables import pooled_rms
 from smarig.report.models.preisach_verdict import preisach_verdict
-from smarig.report.models.training_run import settled_range, stroke_run, stroke_text
 
 
 def assessment(e: Evidence) -> Assessment:
@@ -83,17 +82,14 @@ def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:
     rms = pooled_rms(found)
     if found is None or rms is None:
         return None, ""
-    share = (
-        _share_of_stroke(e, rms) if any(run.noise_floor for run in found.runs) else ""
-    )  # else the verdict has it
+    share = _share_of_stroke(e, rms) if found.noise_floor else ""  # else the verdict has it
     return _verdict_on(rms, found), f"{rms:.3g}{spaced(found.unit)} rms{share}"
 
 
 def _verdict_on(rms: float, found: Verification) -> ErrorVerdict:
     """The verdict on an error at the settled points of verified runs."""
-    floors = [run.noise_floor for run in found.runs if run.noise_floor]
     travels = [run.settled.rms / run.settled.nrmse for run in found.runs if run.settled.nrmse > 0]
-    return error_verdict(rms, max(floors, default=None), rms / min(travels, default=float("nan")))
+    return error_verdict(rms, found.noise_floor, rms / min(travels, default=float("nan")))
 
 
 def _quality_level(e: Evidence, verdict: ErrorVerdict | None) -> str:

@@ -8,11 +8,10 @@ from smarig.identification import POSITIVE_KIND, SIMPLER_TOLERANCE
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number, runs_text
 from smarig.report.components.run_description import count_size, duration_s, protocol_name, quality_counts
-from smarig.report.models.density_figures import density_unit
-from smarig.report.models.evidence import Evidence
+from smarig.report.models.evidence import Evidence, settled_range, stroke_run, stroke_text
 from smarig.report.models.identification_plot_data import density_report_of
 from smarig.report.models.model_tables import M_P, M_PC, pooled_rms
-from smarig.report.models.training_run import settled_range, stroke_run, stroke_text
+from smarig.report.models.plane_figures import density_unit
 
 _Card = tuple[str, str | Html, str | Html]
 
@@ -37,17 +36,14 @@ def _error_card(e: Evidence) -> _Card:
     rms = pooled_rms(verification)
     if verification is None or rms is None:
         return "Model error on held-out data, rms", "unknown", "no held-out run"
-    floors = [r.noise_floor for r in verification.runs if r.noise_floor]
-    floor = (
-        f"noise floor of the run {max(floors):.2g} {verification.unit}" if floors else "noise floor unknown"
-    )
+    noise = verification.noise_floor
+    floor = f"noise floor of the run {noise:.2g} {verification.unit}" if noise else "noise floor unknown"
     run = stroke_run(e)
     share = f"{100 * rms / settled_range(run):.2f} % of the stroke, " if run is not None else ""
-    n = sum(r.settled.n for r in verification.runs)
     return (
         "Model error on held-out data, rms",
         f"{rms:.3g} {verification.unit}",
-        f"{floor}; {share}n = {n}",
+        f"{floor}; {share}n = {verification.points}",
     )
 
 

@@ -9,11 +9,12 @@ from smarig.identification import POSITIVE_KIND, Identification, fit_curves
 from smarig.preisach import surface_forms
 from smarig.record import Run
 from smarig.replay import recorded_start
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, noise_band
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import (
     count_size,
     input_title,
+    loop_axes,
     output_title,
     run_caption,
     source_label,
@@ -28,7 +29,7 @@ from smarig.report.models.identification_plot_data import (
     residuals,
     resimulated,
 )
-from smarig.report.runs.representation_figure import count_lines, count_text, noise_band
+from smarig.report.runs.representation_figure import count_lines, count_text
 
 _MOST_CURVES = 30  # of more curves every n-th is drawn, and the caption states n
 _BANDS = "bands: 90 % intervals of a new reading, wide where there are no data; "
@@ -66,6 +67,9 @@ def curves_figure(found: Identification, run: Run) -> Figure:
         "narrow": {"r": 8},
     }
     size = count_size(run)
+    rms = root_mean_square(
+        residuals(found)[2]
+    )  # of the curves: a positive measure is fitted to further points
     some = f" One curve in {every} is drawn." if every > 1 else ""
     return Figure(
         [Panel(data, layout, 500), _residual_panel(found, run)],
@@ -74,7 +78,7 @@ def curves_figure(found: Identification, run: Run) -> Figure:
             f"Points: measured{f', bars ± 1 count ({size:.3g}{spaced(run.unit)})' if size else ''}; lines: the model; "
             f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: measured − "
             f"model at all {len(found.data)} points of {found.data.curves} curves, "
-            f"rms {_curve_rms(found):.3g}{spaced(found.model.unit)}{_noise_text(found)}."
+            f"rms {rms:.3g}{spaced(found.model.unit)}{_noise_text(found)}."
             f"{count_text(size, _residual_half_range(found), run.unit)}",
             run_caption(run),
         ],
@@ -93,11 +97,6 @@ def _interval_band(found: Identification, curve: FirstOrderCurve, colour: str) -
     fill = colour.replace("rgb(", "rgba(").replace(")", ",.2)")
     style = {"fill": "toself", "fillcolor": fill, "hoverinfo": "skip", "showlegend": False}
     return line(back, edge, "90 % interval", colour, width=0, **style)
-
-
-def _curve_rms(found: Identification) -> float:
-    """The rms over the points of the curves; a positive measure is fitted to further points."""
-    return root_mean_square(residuals(found)[2])
 
 
 def _point_trace(curve: FirstOrderCurve, colour: str, run: Run) -> Trace:
@@ -150,24 +149,20 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
             line(u, y, f"model, {_model_label(name)}", surface_colour(name), width=1.4),
             dots(inputs, outputs, "measured", INK, size=4),
         ]
-        layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+        layout = loop_axes(run)
         panels.append(Panel(data, layout, 400))
     return Figure(
         panels,
         "The identification input, re-simulated with each surface.",
         [
             "Points: measured. Lines: the Preisach operator with the same sequence of inputs. "
-            + "; ".join(_error_text(n, f) for n, f in found.items())
+            + "; ".join(f"{n}: rms {f.model.fit['rms']:.3g}{spaced(f.model.unit)}" for n, f in found.items())
             + ".",
             run_caption(run),
         ],
         source_label(run),
         440,
     )
-
-
-def _error_text(name: str, found: Identification) -> str:
-    return f"{name}: rms {found.model.fit['rms']:.3g}{spaced(found.model.unit)}"
 
 
 def parameters_figure(found: Identification, run: Run) -> Figure | None:

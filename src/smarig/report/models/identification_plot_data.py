@@ -1,4 +1,4 @@
-"""Plot data of an identification: curves, residuals, grids and the re-simulated input.
+"""Plot data of an identification: curves, residuals, grids, the re-simulated input, and small loops.
 
 Surfaces are fitted to descending first-order curves; ascending ones are fitted in the mirror image
 (u, y) → (−u, −y). All values here have the units and signs of the measurement.
@@ -13,6 +13,7 @@ from smarig.core import Array, DataError
 from smarig.identification import DensityReport, FittedImage, Identification, density_report
 from smarig.measurement import Start
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, Preisach, lattice
+from smarig.replay import Model
 
 _MAP_CELLS = 40
 
@@ -238,3 +239,14 @@ def reversible(found: Identification, n: int = 201) -> tuple[Array, Array] | Non
         return None
     u = np.linspace(surface.lower, surface.upper, n)
     return sign(found) * u, np.asarray(surface.reversible(u))
+
+
+_REVERSALS = (0.35, 0.55, 0.75)  # first-order curves, as shares of the range
+
+
+def model_loops(model: Model, n: int = 40) -> tuple[Array, Array]:
+    """Input and output (k,) along the major loop and some first-order curves; ``n`` points per branch."""
+    low, high = model.hysteresis.lower, model.hysteresis.upper
+    turns = [low, *(end for share in _REVERSALS for end in (low + share * (high - low), low)), high, low]
+    u = np.concatenate([np.linspace(a, b, n) for a, b in zip(turns, turns[1:])])
+    return u, model.predict(u)

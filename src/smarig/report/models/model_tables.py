@@ -10,9 +10,9 @@ from smarig.plant import constant_words
 from smarig.preisach import surface_forms
 from smarig.record import Run
 from smarig.report.components.html import Html, joined, paragraph, table, tag, with_subscripts
-from smarig.report.components.numbers import number, thousands, to_uncertainty
-from smarig.report.models.density_figures import density_unit
+from smarig.report.components.numbers import interval_text, number, thousands, to_interval
 from smarig.report.models.identification_plot_data import density_report_of
+from smarig.report.models.plane_figures import density_unit
 
 M_P, M_PC = Html("M<sub>P</sub>"), Html("M<sub>PC</sub>")
 
@@ -64,11 +64,8 @@ def _curve_error_cells(name: str, choice: SurfaceChoice | None) -> tuple[str, st
 
 
 def pooled_rms(verification: Verification | None) -> float | None:
-    """rms over all points of all runs of a verification."""
-    if verification is None or not verification.runs:
-        return None
-    n = sum(r.settled.n for r in verification.runs)
-    return float(np.sqrt(sum(r.settled.n * r.settled.rms**2 for r in verification.runs) / n)) if n else None
+    """rms over all points of all runs of a verification, if it was made."""
+    return verification.rms if verification else None
 
 
 def parameters_table(found: Identification) -> Html:
@@ -82,13 +79,9 @@ def parameters_table(found: Identification) -> Html:
     units = _units(found)
     rows = []
     for name, value in zip(found.fit.names, found.fit.values):
-        low, high = found.fit.intervals[name]
-        known = np.isfinite([low, high]).all()
-        half = (high - low) / 2
-        interval = (
-            f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}" if known else _NOT_DETERMINED
-        )
-        rows.append((_display_name(name), to_uncertainty(float(value), half), interval, units.get(name, "")))
+        ends = found.fit.intervals[name]
+        interval = interval_text(*ends) if np.isfinite(ends).all() else _NOT_DETERMINED
+        rows.append((_display_name(name), to_interval(float(value), ends), interval, units.get(name, "")))
     converged = "" if found.fit.converged else " The fit did not converge."
     return table(
         ("Parameter", "Value", "95 % interval", "Unit"),
@@ -112,11 +105,7 @@ def _measure_table(fit: PositiveFit, found: Identification) -> Html:
             str(fit.rank),
             f"by smoothness alone: {fit.null_space}",
         ),
-        (
-            "Reversible share",
-            f"{100 * fit.reversible_share:.1f} %",
-            "of the output range, on α = β",
-        ),
+        ("Reversible share", f"{100 * fit.reversible_share:.1f} %", "of the output range, on α = β"),
         (
             f"Held-out rms ({unit})",
             number(determined_text.rms),
@@ -178,23 +167,12 @@ def classes_table(found: Mapping[str, Identification], run: Run) -> Html:
         f"max μ ({unit})",
         "reversible share",
     )
-    return table(
-        header,
-        rows,
-        joined(
-            [
-                "Class of the weighting function (Table 5.2). ",
-                M_PC,
-                ": bounded, piecewise continuous. ",
-                M_P,
-                _CLASS_TEXT,
-            ]
-        ),
-    )
+    narrower = ": in addition μ ≥ 0 everywhere, as passivity and the stability theorems require."
+    classes = [M_PC, ": bounded, piecewise continuous. ", M_P, narrower]
+    return table(header, rows, joined(["Class of the weighting function (Table 5.2). ", *classes]))
 
 
 _NOT_DETERMINED = "not determined by these data"
-_CLASS_TEXT = ": in addition μ ≥ 0 everywhere, as passivity and the stability theorems require."
 
 
 def calibration_table(found: Calibration) -> Html:
@@ -202,14 +180,13 @@ def calibration_table(found: Calibration) -> Html:
     rows = [
         (
             with_subscripts(constant_words(name)),
-            to_uncertainty(e.value, half),
-            f"{to_uncertainty(e.ci95[0], half)} to {to_uncertainty(e.ci95[1], half)}",
+            to_interval(e.value, e.ci95),
+            interval_text(*e.ci95, missing="–"),
             e.unit,
             e.source,
             thousands(e.n),
         )
         for name, e in found.parameters.items()
-        for half in ((e.ci95[1] - e.ci95[0]) / 2,)
     ]
     rows += [
         (with_subscripts(constant_words(name)), "—", "—", "", why, "")

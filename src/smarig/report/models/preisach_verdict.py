@@ -6,7 +6,7 @@ from typing import Any
 
 from smarig.core import spaced
 from smarig.diagnosis import PREDICTION_LIMIT, RULES, CommandedDiagnosis, HeldOutGain
-from smarig.identification import Representation, Verification, ratio_text
+from smarig.identification import Representation, ratio_text
 from smarig.report.models.evidence import Evidence, ExtensionEvidence
 from smarig.report.models.model_tables import pooled_rms
 
@@ -103,7 +103,7 @@ def preisach_verdict(e: Evidence) -> PreisachVerdict:
     No operator: a test of §5.3 is violated, the errors depend on the history beyond any density, or the model
     of the diagnosis misses held-out runs by many times the prediction limit.
     """
-    against = against_preisach(e.representation, e.diagnosis)
+    against, found = against_preisach(e.representation, e.diagnosis), e.verifications.get(e.chosen)
     tested = e.representation or e.diagnosis
     unit = e.best.model.unit if e.best else ""
     kept = [_test_text(test) for test in e.representation if test.holds]
@@ -113,7 +113,7 @@ def preisach_verdict(e: Evidence) -> PreisachVerdict:
         effects=_explaining_effects(e.diagnosis) if against else (),
         why=(*against, *kept, *extension),
         errors=tuple(_errors(e)),
-        noise=_noise(e.verifications.get(e.chosen)),
+        noise=found.noise_floor if found else None,
         unit=unit,
     )
 
@@ -184,8 +184,3 @@ def _extension_errors(found: ExtensionEvidence) -> Iterator[tuple[str, float]]:
         yield "classical model of all other runs", classical
     if extended is not None:
         yield f"extension '{found.choice.chosen}' of it", extended
-
-
-def _noise(verification: Verification | None) -> float | None:
-    floors = [r.noise_floor for r in verification.runs if r.noise_floor] if verification else []
-    return max(floors) if floors else None

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from smarig.core import spaced
 from smarig.identification import INTERVAL_LEVEL, Identification, SurfaceChoice, Verification
 from smarig.record import Run
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, log_axis
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, error_bars, line, log_axis
 from smarig.report.components.html import Html, joined
 from smarig.report.components.run_description import run_caption, source_label
 from smarig.report.components.style import GOOD, GREY, surface_colour
@@ -51,8 +51,7 @@ def tradeoff_figure(
 def _held_out_text(by_run: Coordinates, held_out: Mapping[str, Verification]) -> str:
     if not by_run:
         return ""
-    n = sum(r.settled.n for r in held_out[next(iter(by_run))].runs)
-    return f"; second panel: the held-out run, {n} points"
+    return f"; second panel: the held-out run, {held_out[next(iter(by_run))].points} points"
 
 
 def _conclusion(by_curve: Coordinates, in_M_P: set[str], run: Run) -> tuple[str | Html, ...]:
@@ -112,8 +111,7 @@ def _mark(name: str, share: float, rms: float, filled: bool, ends: tuple[float, 
     colour = surface_colour(name)
     bars = {}
     if ends is not None:
-        spread = {"type": "data", "symmetric": False, "array": [ends[1] - rms], "arrayminus": [rms - ends[0]]}
-        bars = {"error_y": spread | {"color": GREY, "thickness": 1.2, "width": 5}}
+        bars = {"error_y": error_bars([rms], [ends[0]], [ends[1]], color=GREY, thickness=1.2, width=5)}
     return dots(
         [share],
         [rms],

@@ -1,20 +1,17 @@
 """What a comparison of runs shows: what was compared, whether the wire has changed, and what to do."""
 
 from collections.abc import Sequence
-from datetime import UTC, datetime
 
 import numpy as np
 
 from smarig.core import spaced
 from smarig.identification import ErrorLevel
 from smarig.record import Run
-from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import number, signed
-from smarig.report.components.run_description import display_unit, extent, protocol_name
-from smarig.report.runs.earlier_model import earlier_model_sentence
-from smarig.report.runs.own_diagnosis import named_causes, own_diagnoses
-from smarig.report.runs.run_alignment import AlignedRun
-from smarig.report.runs.run_change import RunChange, run_change
+from smarig.report.components.page_summary import Assessment, box_level
+from smarig.report.components.run_description import display_unit, extent, protocol_name, started
+from smarig.report.runs.own_characterisation import earlier_model_sentence, named_causes, own_diagnoses
+from smarig.report.runs.run_alignment import AlignedRun, RunChange, run_change
 from smarig.report.runs.run_family import FamilyFigures
 from smarig.report.runs.temperature_change import change_sentences, temperature_change
 
@@ -32,23 +29,21 @@ _ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
 def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) -> Assessment:
     """The assessment of aligned runs (the first is the reference), built from their figures."""
     first, *others = found
-    common = [each for each in others if _is_comparable(each)]
+    common = [each for each in others if each.difference.size >= _FEWEST]
     if not common:
         return _without_common_steps(first, others)
     changes = [(each, run_change(first, each)) for each in common]
     worst, change = max(changes, key=lambda pair: (_ORDER.index(pair[1].level), pair[0].rms))
     named = bool(named_causes([first.run, worst.run]))
+    predicted = earlier_model_sentence(first, worst)
+    diagnosed = own_diagnoses({each.name: each.run for each in (first, worst)})
     return Assessment(
         box_level(change.level),
         _compared(first, others),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}".strip(),
-        f"{_advice(worst, change, _diagnosed(first, worst), named=named)}{_predicted(first, worst)}"
+        f"{_advice(worst, change, diagnosed, named=named)}{f' {predicted}' if predicted else ''}"
         f"{_stated_effects(first, others)}",
     )
-
-
-def _is_comparable(run: AlignedRun) -> bool:
-    return run.difference.size >= _FEWEST
 
 
 def _common_text(others: Sequence[AlignedRun]) -> str:
@@ -102,8 +97,8 @@ def _compared(first: AlignedRun, others: Sequence[AlignedRun]) -> str:
 
 
 def _date(run: Run) -> str:
-    epoch = run.info.start_epoch
-    return f" ({datetime.fromtimestamp(epoch, UTC):%Y-%m-%d %H:%M})" if epoch else ""
+    when = started(run)
+    return f" ({when})" if when else ""
 
 
 def _change_text(worst: AlignedRun, change: RunChange, others: int) -> str:
@@ -141,15 +136,6 @@ def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
     if not variable.unit:
         return f"Stroke {ends} from the first to the last run."
     return f"Stroke {ends} from {variable.text(order[0])} to {variable.text(order[-1])} of {variable.name.lower()}."
-
-
-def _predicted(first: AlignedRun, worst: AlignedRun) -> str:
-    sentence = earlier_model_sentence(first, worst)
-    return f" {sentence}" if sentence else ""
-
-
-def _diagnosed(first: AlignedRun, worst: AlignedRun) -> str:
-    return own_diagnoses({each.name: each.run for each in (first, worst)})
 
 
 def _advice(worst: AlignedRun, change: RunChange, diagnosed: str, *, named: bool) -> str:

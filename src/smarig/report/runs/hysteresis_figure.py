@@ -11,19 +11,17 @@ from numpy.typing import NDArray
 from smarig.core import Array, spaced
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.components.decimate import path
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.figure import Figure, Panel, Trace, dots, line, plotly_escaped
 from smarig.report.components.numbers import number, thousands
 from smarig.report.components.run_description import (
     count_size,
-    input_title,
-    output_title,
+    loop_axes,
     protocol_name,
     run_caption,
     source_label,
 )
 from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
-from smarig.report.runs.record_gaps import drawn, ends_of_parts, uninterrupted_parts
-from smarig.report.runs.sample_path import sample_path
+from smarig.report.runs.sample_path import drawn, ends_of_parts, sample_path, uninterrupted_parts
 
 _GROUPS = 8  # number of distinguishable colours
 _MOST = 200  # largest number of settled points with a mark each
@@ -38,7 +36,7 @@ def hysteresis_figure(run: Run, *, explore: bool = True) -> Figure:
         data, words = _step_traces(run)
     else:
         data, words = _sample_traces(run)
-    layout: dict[str, Any] = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+    layout: dict[str, Any] = loop_axes(run)
     size = count_size(run)
     resolution = f"Resolution {size:.3g}{spaced(run.unit)}." if size else ""
     return Figure(
@@ -106,9 +104,9 @@ def _step_traces(run: Run) -> tuple[list[Trace], str]:
         words = f"Each point is {'one reading, as recorded' if single else _MEAN}. Lines join the points in order."
     if u.size <= _MOST:
         labels = [f"{s.branch} · step {s.index}" for s in run.settled]
-        shown = [words for words, keep in zip(labels, good) if keep]
+        shown = [plotly_escaped(words) for words, keep in zip(labels, good) if keep]
         name = f"{int(good.sum())} {'readings' if single else 'settled points'}"
-        data.append(dots(u[good], y[good], name, INK, size=4.5, text=_safe(shown)))
+        data.append(dots(u[good], y[good], name, INK, size=4.5, text=shown))
     if not good.all():
         late = int(np.sum(~good))
         data.append(
@@ -171,7 +169,3 @@ def _thinned(run: Run, rows: NDArray[np.intp], part: NDArray[np.intp]) -> NDArra
     pieces = np.split(rows, np.flatnonzero(np.diff(part[rows])) + 1)
     thin = [p[path(run["input"][p], run["position"][p], 1500)] for p in pieces]
     return np.concatenate([np.append(p, -1) for p in thin])[:-1]
-
-
-def _safe(words: list[str]) -> list[str]:
-    return [w.replace("&", "&amp;").replace("<", "&lt;") for w in words]

@@ -5,7 +5,7 @@ import numpy as np
 from smarig.core import spaced
 from smarig.identification import Representation
 from smarig.record import Run
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, zero_line
 from smarig.report.components.run_description import input_title, output_title, run_caption, source_label
 from smarig.report.components.style import FIRST, GREY, INK, SECOND
 
@@ -68,7 +68,7 @@ def _difference(test: Representation, run: Run, title: str) -> Panel:
     low, high = float(test.input.min()), float(test.input.max())
     half_range = _half_range(test)
     data: list[Trace] = [
-        line([low, high], [0.0, 0.0], "zero", GREY, width=1, showlegend=False),
+        zero_line(low, high),
         *count_lines(low, high, test.per_count, half_range),
         dots(
             test.input,
@@ -112,18 +112,3 @@ def count_text(count: float, half_range: float, unit: str) -> str:
         return ""
     size = f"1 count ({count:.3g}{spaced(unit)})"
     return f" Dotted: ± {size}." if count < 3 * half_range else f" {size} is off the scale."
-
-
-def noise_band(low: float, high: float, half: float, name: str) -> Trace:
-    """A grey band of ± ``half`` from ``low`` to ``high``."""
-    edge = np.array([low, high, high, low, low])
-    return line(
-        edge,
-        [-half, -half, half, half, -half],
-        name,
-        GREY,
-        width=0,
-        fill="toself",
-        fillcolor="rgba(107,114,128,.18)",
-        hoverinfo="skip",
-    )

@@ -5,8 +5,8 @@ import numpy as np
 from smarig.core import Severity, spaced
 from smarig.identification import ErrorLevel, RunVerification
 from smarig.record import AnyRun
-from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, number, signed, thousands
+from smarig.report.components.page_summary import Assessment, box_level
 from smarig.report.components.run_description import (
     display_unit,
     duration_s,
@@ -40,7 +40,7 @@ def run_assessment(run: AnyRun, verified: RunVerification | None = None, model: 
 
 def _largest_error(run: AnyRun, verified: RunVerification) -> str:
     """Where the error is largest, as a sentence with a space behind it; "" if nothing is predicted."""
-    error = np.where(verified.counted, verified.measured - verified.predicted, np.nan)
+    error = verified.error
     if not np.isfinite(error).any():
         return ""
     k = int(np.nanargmax(np.abs(error)))

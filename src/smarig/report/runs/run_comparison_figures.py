@@ -9,7 +9,15 @@ import numpy as np
 from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.decimate import POINTS, envelope, path
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, plotly_escaped
+from smarig.report.components.figure import (
+    Figure,
+    Panel,
+    Trace,
+    axis,
+    dots,
+    error_ground,
+    line,
+)
 from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import (
@@ -17,16 +25,16 @@ from smarig.report.components.run_description import (
     count_size,
     display_unit,
     input_title,
+    loop_axes,
     output_title,
     run_caption,
     source_label,
 )
-from smarig.report.components.style import COMPARED, DASHES, GREY, SYMBOLS, colours
-from smarig.report.runs.representation_figure import noise_band
+from smarig.report.components.style import COMPARED, DASHES, SYMBOLS, colours
 from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.run_family import FamilyVariable
 from smarig.report.runs.sample_path import sample_path
-from smarig.report.runs.time_figures import time_unit
+from smarig.report.runs.time_figures import ROWS, stacked_layout, time_unit
 
 _MOST_MARKS = 150  # largest number of points with a mark each
 _SHEET_PX = 350  # leaves room for the rest of a sheet
@@ -49,7 +57,7 @@ def overlay_figure(runs: Sequence[AlignedRun], variable: FamilyVariable) -> Figu
         if marked and 0 < len(each.run.settled) <= _MOST_MARKS:
             style = {"symbol": SYMBOLS[k], "size": 5, "showlegend": False}
             data.append(dots(points[0], points[1] + each.offset, each.name, each.colour, **style))
-    layout = {"xaxis": axis(input_title(runs[0].run)), "yaxis": axis(output_title(runs[0].run))}
+    layout = loop_axes(runs[0].run)
     return Figure(
         [Panel(data, layout, 520)],
         "Hysteresis of the runs, overlaid.",
@@ -115,12 +123,8 @@ def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
 def _difference_panel(
     others: Sequence[tuple[int, AlignedRun]], noise: float | None, title: str, x_title: str, *, in_order: bool
 ) -> Panel:
-    data: list[Trace] = []
     spread = [np.arange(e.difference.size, dtype=float) + 1 if in_order else e.input for _, e in others]
-    low, high = (float(f([f(x) for x in spread])) for f in (np.min, np.max))
-    if noise:
-        data.append(noise_band(low, high, 2 * noise, "± 2 σ of a difference"))
-    data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
+    data = error_ground(np.concatenate(spread), noise, "± 2 σ of a difference")
     for x, (k, each) in zip(spread, others):
         marks = {
             "mode": "markers",
@@ -147,23 +151,8 @@ def time_overlay_figure(runs: Sequence[AlignedRun]) -> Figure | None:
     spans = [float(np.ptp(each.run["t_s"][np.isfinite(each.run["t_s"])])) for _, each in timed]
     size, unit = time_unit(max(spans))
     data: list[Trace] = []
-    layout: dict[str, Any] = {
-        "xaxis": axis(
-            f"Time since the start of each run ({unit})",
-            anchor=f"y{_axis_suffix(len(rows) - 1)}",
-            mirror=False,
-        )
-    }
-    for r, (name, title) in enumerate(rows):
-        top = 1 - r / len(rows)
-        domain = [top - 1 / len(rows) + (0.03 if r + 1 < len(rows) else 0), top]
-        words = plotly_escaped(title).replace(" above ambient", "<br>above ambient").replace(", ", ",<br>")
-        layout[f"yaxis{_axis_suffix(r)}"] = {
-            "title": {"text": words, "font": {"size": 11}},
-            "domain": domain,
-            "nticks": 6,
-            "mirror": False,
-        }
+    layout = stacked_layout([title for _, title in rows], f"Time since the start of each run ({unit})")
+    for r, (name, _) in enumerate(rows):
         data += [_timed(k, each, name, size, r) for k, each in timed if each.run.has(name)]
     return Figure(
         [Panel(data, layout, 170 * len(rows) + 60)],
@@ -178,12 +167,8 @@ def _timed(k: int, each: AlignedRun, name: str, size: float, row: int) -> Trace:
     kept = envelope(values, POINTS)
     shift = each.offset if name == "position" else 0.0
     begin = t[np.isfinite(t)][0]
-    where = {"yaxis": f"y{_axis_suffix(row)}", "showlegend": row == 0, "legendgroup": each.name}
+    where = {"yaxis": ROWS[row], "showlegend": row == 0, "legendgroup": each.name}
     return _line(k, each, (t[kept] - begin) / size, values[kept] + shift, **where)
-
-
-def _axis_suffix(k: int) -> str:
-    return "" if k == 0 else str(k + 1)
 
 
 def _line(k: int, each: AlignedRun, x: Any, y: Any, **more: Any) -> Trace:

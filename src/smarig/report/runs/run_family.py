@@ -11,7 +11,7 @@ from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, axis, line
 from smarig.report.components.run_description import display_unit, extent, source_label
 from smarig.report.components.style import COMPARED
-from smarig.report.transformation.trend_figures import estimate_traces
+from smarig.report.transformation.tangent_figures import estimate_traces
 from smarig.transformation import TEMPERATURES, headline
 
 _DAY_S = 86400.0

@@ -2,8 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from datetime import UTC, datetime
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from smarig.core import NotToml, SmarigError, parsed_toml
 from smarig.record import Run
 from smarig.replay import condition_text, recorded_actuator, recorded_conditions
-from smarig.report.components.html import Html, joined, paragraph, table, tag
+from smarig.report.components.html import Html, joined, paragraph, severity_mark, table, tag
 from smarig.report.components.numbers import duration, number, signed, thousands, to_uncertainty
 from smarig.report.components.run_description import (
     FLAG_NAMES,
@@ -20,8 +19,8 @@ from smarig.report.components.run_description import (
     duration_s,
     protocol_name,
     quality_counts,
+    started,
 )
-from smarig.report.components.severity_mark import severity_mark
 from smarig.report.runs.derived_quantities import DerivedQuantities, derived_quantities
 
 Row = Sequence[Any]
@@ -224,7 +223,7 @@ def provenance_table(runs: Mapping[str, Run]) -> Html:
                 run.path.name,
                 protocol_name(run),
                 run.info.source or "unknown",
-                _start(run),
+                started(run, "%Y-%m-%d %H:%M:%S UTC") or "unknown",
                 "" if seed is None else seed,
                 versions,
                 tag("code", sha256(run)),
@@ -237,9 +236,14 @@ def provenance_table(runs: Mapping[str, Run]) -> Html:
     )
 
 
-def _start(run: Run) -> str:
-    epoch = run.info.start_epoch
-    return datetime.fromtimestamp(epoch, UTC).strftime("%Y-%m-%d %H:%M:%S UTC") if epoch else "unknown"
+def record_parts(runs: Sequence[Run], words: str) -> Iterator[Html]:
+    """Conditions of the first run, data quality and provenance of all, and a last sentence."""
+    several = len(runs) > 1
+    named = {f"{f'{k}. ' if several else ''}{protocol_name(run)}": run for k, run in enumerate(runs, start=1)}
+    yield conditions_table(runs[0])
+    yield quality_table(named)
+    yield provenance_table(named)
+    yield paragraph(words)
 
 
 def sha256(run: Run) -> str:

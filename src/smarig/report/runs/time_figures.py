@@ -1,5 +1,6 @@
 """Figures over time: the channels of a run, and its initialisation (Figs. 5.4, 5.6)."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,12 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TEMPERATURE
-from smarig.report.runs.record_gaps import broken_at_gaps, drawn, ends_of_parts, uninterrupted_parts
+from smarig.report.runs.sample_path import broken_at_gaps, drawn, ends_of_parts, uninterrupted_parts
 
-_ROWS = (
+ROWS = ("y", "y2", "y3", "y4", "y5", "y6")
+# Where the title of a row breaks: in one line it would run into the next row.
+_BREAKS = ((" above ambient", "<br>above ambient"), (", ", ",<br>"), (" difference", "<br>difference"))
+_CHANNELS = (
     ("current_A", "Current (A)", CURRENT),
     ("current_command_A", "Commanded current (A)", CURRENT),
     ("voltage_V", "Voltage (V)", GREY),
@@ -53,51 +57,49 @@ def time_unit(span_s: float) -> tuple[float, str]:
     return (3600.0, "h") if span_s > 6 * 3600 else (60.0, "min") if span_s > 600 else (1.0, "s")
 
 
+def stacked_layout(titles: Sequence[str], t_title: str, shares: Sequence[float] = ()) -> dict[str, Any]:
+    """The layout of rows that share one time axis, each with its share of the height, else with equal ones.
+
+    >>> stacked_layout(["Wire temperature difference T₁ − T₂ (K)"], "Time (s)")["yaxis"]["title"]["text"]
+    'Wire temperature<br>difference T₁ − T₂ (K)'
+    """
+    last = ROWS[len(titles) - 1]
+    layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=last, mirror=False)}
+    top = 1.0
+    for title, share, name in zip(titles, shares or [1 / len(titles)] * len(titles), ROWS):
+        words = plotly_escaped(title)
+        for where, instead in _BREAKS:
+            words = words.replace(where, instead)
+        layout[f"yaxis{name[1:]}"] = {
+            "title": {"text": words, "font": {"size": 11}},
+            "domain": [max(top - share + 0.03, 0.0) if name != last else 0.0, top],
+            "mirror": False,
+            "nticks": 6,
+        }
+        top -= share
+    return layout
+
+
 def time_series_figure(run: Run, points: int = POINTS, *, explore: bool = True) -> Figure:
     """Current, hysteresis input and output against time in stacked rows, with quality marks.
 
     Each channel has at most ``points`` points: the minimum and the maximum of equal segments. ``explore``: as in Panel.
     """
     t, t_title = time_axis(run)
-    names = [row for row in _ROWS if run.has(row[0])]
+    channels = [row for row in _CHANNELS if run.has(row[0])]
     if run.has("current_A"):
-        names = [row for row in names if row[0] != "current_command_A"]
-    titles = {"input": input_title(run), "position": output_title(run)}
+        channels = [row for row in channels if row[0] != "current_command_A"]
+    own = {"input": input_title(run), "position": output_title(run)}
+    titles = [title or own[name] for name, title, _ in channels]
     data: list[Trace] = []
     part = uninterrupted_parts(run)
-    layout: dict[str, Any] = {
-        "xaxis": axis(t_title, anchor=f"y{_axis_suffix(len(names) - 1)}", mirror=False),
-        "showlegend": False,
-    }
-    for k, (name, title, colour) in enumerate(names):
+    for (name, _, colour), title, row in zip(channels, titles, ROWS):
         kept = np.union1d(envelope(run[name], points), ends_of_parts(part))
         rows = broken_at_gaps(kept, part)
-        data.append(
-            line(
-                drawn(t, rows),
-                drawn(run[name], rows),
-                title or titles[name],
-                colour,
-                width=1.1,
-                yaxis=f"y{_axis_suffix(k)}",
-            )
-        )
-        top = 1 - k / len(names)
-        words = (
-            plotly_escaped(title or titles[name])
-            .replace(" above ambient", "<br>above ambient")
-            .replace(", ", ",<br>")
-        )
-        layout[f"yaxis{_axis_suffix(k)}"] = {
-            "title": {"text": words, "font": {"size": 11}},
-            "domain": [top - 1 / len(names) + (0.03 if k + 1 < len(names) else 0), top],
-            "mirror": False,
-            "nticks": 6,
-        }
-    quality_markers = _quality_markers(run, t, f"y{_axis_suffix(len(names) - 1)}")
-    layout["showlegend"] = bool(quality_markers)
-    for trace in data:
-        trace["showlegend"] = False
+        style = {"width": 1.1, "yaxis": row, "showlegend": False}
+        data.append(line(drawn(t, rows), drawn(run[name], rows), title, colour, **style))
+    quality_markers = _quality_markers(run, t, ROWS[len(channels) - 1])
+    layout = stacked_layout(titles, t_title) | {"showlegend": bool(quality_markers)}
     thinned = (
         f"{thousands(len(run))} samples, drawn as minimum and maximum of equal segments, so that all peaks remain."
         if len(run) > points
@@ -107,15 +109,11 @@ def time_series_figure(run: Run, points: int = POINTS, *, explore: bool = True) 
         " Marked: " + ", ".join(f"{m['name']}" for m in quality_markers) + "." if quality_markers else ""
     )
     return Figure(
-        [Panel([*data, *quality_markers], layout, max(200, 116 * len(names) + 50), explore=explore)],
+        [Panel([*data, *quality_markers], layout, max(200, 116 * len(channels) + 50), explore=explore)],
         f"{capitalised(protocol_name(run))} against time.",
         [_rows_text(run), thinned + kept_out, run_caption(run)],
         source_label(run),
     )
-
-
-def _axis_suffix(k: int) -> str:
-    return "" if k == 0 else str(k + 1)
 
 
 def _rows_text(run: Run) -> str:

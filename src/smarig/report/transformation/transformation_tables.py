@@ -1,15 +1,17 @@
-"""Tables of transformation temperatures: figures, stress dependence, branches."""
+"""Tables and cards of transformation temperatures: figures, compared runs, stress dependence, branches."""
 
+import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from smarig.core import UsageError, capitalised, spaced
 from smarig.record import Run
 from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag, with_subscripts
-from smarig.report.components.numbers import interval_text, number, signed, to_uncertainty
+from smarig.report.components.numbers import interval_text, number, signed, to_interval
 from smarig.report.components.run_description import display_unit
 from smarig.transformation import (
     FIGURES,
+    HEADLINE,
     NAMES,
     TEMPERATURES,
     RunFigures,
@@ -49,14 +51,12 @@ def _card(run: RunFigures, name: str) -> tuple[Html, str, str]:
     if name not in run.means:
         return label, "–", capitalised(why_not(run, name))
     drawn, unit = run.means[name], spaced(display_unit(run.unit_of(name)))
-    low, high = drawn.ci95
-    half = (high - low) / 2
-    interval = interval_text(low, high, unit)
+    interval = interval_text(*drawn.ci95, unit)
     degC = run.degC(drawn.value) if name in TEMPERATURES and run.record.input_unit != "degC" else None
     parts = [f"95 %: {interval}"] if interval else []
     parts += [f"{degC:.1f} °C"] if degC is not None else []
     parts += ["no readings between"] if name in run.gaps else []
-    return label, f"{to_uncertainty(drawn.value, half)}{unit}", "; ".join(parts)
+    return label, f"{to_interval(drawn.value, drawn.ci95)}{unit}", "; ".join(parts)
 
 
 def figures_table(run: RunFigures) -> Html:
@@ -87,10 +87,8 @@ def runs_table(
 
 
 def _rounded(run: RunFigures, name: str) -> str:
-    if name not in run.means:
-        return "–"
-    low, high = run.means[name].ci95
-    return to_uncertainty(run.means[name].value, (high - low) / 2)
+    found = run.means.get(name)
+    return "–" if found is None else to_interval(found.value, found.ci95)
 
 
 def _row(run: RunFigures, name: str, ambient: bool) -> list[object]:
@@ -98,17 +96,15 @@ def _row(run: RunFigures, name: str, ambient: bool) -> list[object]:
     if name not in run.means:
         return [label, f"not given: {why_not(run, name)}", *([""] if ambient else []), "", "", "", ""]
     drawn = run.means[name]
-    low, high = drawn.ci95
-    half = (high - low) / 2
     degC = run.degC(drawn.value) if name in TEMPERATURES else None
     also = [f"{degC:.1f}" if degC is not None else ""] if ambient else []
     drift = run.drift.get(name)
     slope = f"{signed(drift.value)} ({signed(drift.ci95[0])} to {signed(drift.ci95[1])})" if drift else "–"
     return [
         label,
-        to_uncertainty(drawn.value, half),
+        to_interval(drawn.value, drawn.ci95),
         *also,
-        interval_text(low, high, missing="–"),
+        interval_text(*drawn.ci95, missing="–"),
         display_unit(run.unit_of(name)),
         str(run.counts[name]),
         slope,
@@ -156,3 +152,75 @@ def branches_text(run: RunFigures) -> Html:
             bullets(map(with_subscripts, items)),
         ]
     )
+
+
+_STROKE = "stroke"  # has a card of its own
+_DIFFERENCES = ("width", "span")  # of temperatures
+_COMPUTED = " No thermometer was on the wire: its temperature is computed from the measured current."
+
+
+def narrowest_temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
+    """A_s, A_f, M_s, M_f and width with their 95 % intervals, of the run with the narrowest, and a sentence on it.
+
+    Most campaigns have no full loop of their own: the heating branch is then assembled from first-order curves, and the
+    intervals are as wide as the distances of their readings.
+    """
+    found = [(figures, run) for run in runs if run.settled and (figures := figures_of(run)) is not None]
+    if not found:
+        return Html(""), ""
+    best, run = min(found, key=lambda pair: _spread(pair[0]))
+    shown = []
+    for name in HEADLINE:
+        if name == _STROKE or name not in best.means:
+            continue
+        estimate = best.estimate(name)
+        unit = spaced(display_unit(estimate.unit))
+        interval = interval_text(*estimate.ci95, unit)
+        interval = interval and f"95 %: {interval}"
+        is_above = estimate.unit == "K" and name not in _DIFFERENCES
+        above = f"above ambient{_degC(best, estimate.value)}; " if is_above else ""
+        value = f"{to_interval(estimate.value, estimate.ci95)}{unit}"
+        shown.append((figure_name(name), value, f"{above}{interval}"))
+    name = run.path.name.removesuffix(".run.sqlite")
+    assembled = f" ({' and '.join(best.assembled)} assembled from its curves)" if best.assembled else ""
+    computed = "" if run.has("temperature_degC") or not run.info.input.from_ else _COMPUTED
+    more = "; smarig transformation says what limits them" if best.notes else ""
+    return cards(shown), f" Temperatures by tangents to {name}{assembled}{more}.{computed}"
+
+
+def _degC(figures: RunFigures, above_K: float) -> str:
+    """The same in °C, where the run knows the room's temperature."""
+    degC = figures.degC(above_K)
+    return "" if degC is None else f", {degC:.1f} °C"
+
+
+def _spread(figures: RunFigures) -> float:
+    ends = [figures.estimate(name).ci95 for name in HEADLINE if name in figures.means and name != _STROKE]
+    widths = [high - low for low, high in ends if high - low < math.inf]
+    return sum(widths) / len(widths) if widths else math.inf
+
+
+_MOST = 6  # runs: more columns do not fit, and have a figure of their trends
+
+
+def temperature_table(runs: Mapping[str, Run]) -> Html | None:
+    """The figures of each run with their 95 % intervals; None if no run has any, or if the runs are many."""
+    found = {name: figures for name, run in runs.items() if (figures := figures_of(run)) is not None}
+    if not found or len(found) > _MOST:
+        return None
+    rows = [
+        (figure_name(name), *(_cell(figures, name) for figures in found.values()))
+        for name in HEADLINE
+        if any(name in figures.means for figures in found.values())
+    ]
+    assembled = [name for name, figures in found.items() if figures.assembled]
+    words = f" Branches assembled from first-order curves: {', '.join(assembled)}." if assembled else ""
+    return table(("Quantity", *found), rows, f"By tangents to the branches, with 95 % intervals.{words}")
+
+
+def _cell(figures: RunFigures, name: str) -> str:
+    if name not in figures.means:
+        return "–"
+    estimate = figures.estimate(name)
+    ends, unit = interval_text(*estimate.ci95), spaced(display_unit(estimate.unit))
+    return f"{to_interval(estimate.value, estimate.ci95)}{unit}{ends and f' ({ends})'}"

@@ -17,7 +17,7 @@ import numpy as np
 
 from smarig.core import UsageError
 from smarig.preisach import Everett, FodSurface, RelayMeasure, sigmoid
-from smarig.theory.energy.density_bounds import DensityCells
+from smarig.theory.energy.loop_area_bounds import DensityCells
 from smarig.theory.energy.moments import breaks, moments_on
 
 

@@ -123,13 +123,12 @@ def properties(hysteresis: Everett) -> Properties:
         fod_crossing=crossing_descending(h),
         foa_crossing=crossing_ascending(h),
         lipschitz=lipschitz(h),
-        changes=tuple(_change(h, share * plane.span) for share in INPUT_SHARES),
+        changes=tuple(
+            OutputChange(xi, K(h, xi), bound(h, xi), largest_change(h, xi), modulus(h, xi))
+            for xi in (share * plane.span for share in INPUT_SHARES)
+        ),
         unit=getattr(unmirrored(h), "unit", ""),
     )
-
-
-def _change(h: Everett, xi: float) -> OutputChange:
-    return OutputChange(xi, K(h, xi), bound(h, xi), largest_change(h, xi), modulus(h, xi))
 
 
 def _plain_values(value: Any) -> Any:

@@ -9,14 +9,13 @@
 computations in a loop; this package contains what can be proved, drawn and measured about it.
 """
 
-from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
+from smarig.theory.state_space.boundary import Boundary, RotatedBoundary, anhysteretic, diagonal, rotated
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import F, F_right, G, G_inverse, H, H_left
 from smarig.theory.state_space.memory_sequence import MemorySequence
 from smarig.theory.state_space.operator_state import boundary_of, distance, rotated_distance, state_of
 from smarig.theory.state_space.reachability import reach, staircase
 from smarig.theory.state_space.read_out import read_out
-from smarig.theory.state_space.rotation import RotatedBoundary, rotated
 from smarig.theory.state_space.transition import sweep, transition
 
 __all__ = [

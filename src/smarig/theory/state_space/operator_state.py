@@ -11,14 +11,15 @@ from smarig.preisach import Everett, Preisach, State
 from smarig.theory.state_space.boundary import (
     Boundary,
     Point,
+    RotatedBoundary,
     diagonal,
     diagonal_ends,
     has_slope_minus_one,
+    rotated,
     staircase_points,
 )
 from smarig.theory.state_space.maps import extrema_along
 from smarig.theory.state_space.read_out import check_covers
-from smarig.theory.state_space.rotation import RotatedBoundary, rotated
 
 
 def boundary_of(state: State, hysteresis: Everett) -> Boundary:

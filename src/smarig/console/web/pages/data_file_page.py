@@ -15,8 +15,7 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.console.command_process import run_command
-from smarig.console.own_place import own_place
-from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
+from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, own_place, page
 from smarig.console.web.loop_path import loop_path
 from smarig.console.web.report_response import report_response
 from smarig.core import SmarigError, UsageError, file_bytes, printable

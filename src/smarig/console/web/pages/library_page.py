@@ -14,14 +14,7 @@ from starlette.routing import Route
 from smarig.console.library.library_entry import RECORDING, RUN, Entry
 from smarig.console.library.library_search import FACETS, ORDERS
 from smarig.console.library.run_content import is_recording
-from smarig.console.web.console_context import (
-    ConsoleContext,
-    back,
-    context_of,
-    form_texts,
-    named_file,
-    page,
-)
+from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, named_file, page
 from smarig.console.web.evaluations import (
     compared_page,
     evaluations_of,

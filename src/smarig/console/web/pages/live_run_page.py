@@ -13,8 +13,7 @@ from smarig.console.library.library_entry import Entry
 from smarig.console.web.console_context import back, context_of, named_file, page
 from smarig.console.web.console_scope import folder_of
 from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
-from smarig.console.web.run_outcome import run_outcome
-from smarig.console.web.run_words import ENDED, run_card
+from smarig.console.web.run_words import ENDED, run_card, run_outcome
 from smarig.core import Requester, UsageError, printable
 from smarig.running import RunInProgress, runs_in_progress
 

@@ -16,9 +16,8 @@ from smarig.config import RigFile, load_campaign, shipped_names
 from smarig.console.own_code import own_code_digest, own_code_text
 from smarig.console.queue.allowed_entries import own_code_of_request
 from smarig.console.queue.ensure_worker import ensure_worker
-from smarig.console.queue.entry_command import shown_command
 from smarig.console.queue.entry_preview import EntryPreview, preview_entry
-from smarig.console.queue.entry_request import EntryRequest, Kind
+from smarig.console.queue.entry_request import EntryRequest, Kind, shown_command
 from smarig.console.queue.queue_entry import EntryState
 from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.protocol_form import FormField, protocol_form

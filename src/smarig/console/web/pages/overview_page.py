@@ -11,7 +11,7 @@ from starlette.routing import Route
 
 from smarig.console.own_code import own_code_text
 from smarig.console.queue.ensure_worker import ensure_worker
-from smarig.console.queue.entry_command import shown_command
+from smarig.console.queue.entry_request import shown_command
 from smarig.console.queue.queue import HeldEntry
 from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
 from smarig.console.web.console_context import (

@@ -6,7 +6,7 @@ which no protocol measures.
 """
 
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
-from smarig.identification.extended.second_order_runs import excess_values, fitted_excess, largest_excess
+from smarig.identification.extended.nonlinear_fit import excess_values, fitted_excess, largest_excess
 
 
 def restricted(data: ExtensionData) -> FittedExtension:

@@ -1,17 +1,21 @@
-"""What the diagnosis in the folder of a characterisation says of its runs."""
+"""What the characterisation that a run belongs to says of it: its diagnosis, and its model on another run."""
 
 import json
 from collections.abc import Mapping, Sequence
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
-from smarig.core import printable, spaced
+from smarig.core import SmarigError, printable, root_mean_square, spaced
 from smarig.diagnosis import DIAGNOSIS_JSON
+from smarig.identification import RunVerification, verify
 from smarig.plant import effect_types, parameter_words
 from smarig.record import Run
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import display_unit
+from smarig.report.runs.run_alignment import AlignedRun
 
-_RUNS, _DIAGNOSIS = "runs", "diagnosis"  # folders of a characterisation
+_RUNS, _MODEL, _DIAGNOSIS = "runs", "model.json", "diagnosis"  # of a characterisation
 
 
 def named_causes(runs: Sequence[Run]) -> list[str]:
@@ -84,3 +88,35 @@ def _value(name: str, stored: Mapping[str, Any]) -> str:
     unit, value = str(stored.get("unit") or ""), stored.get("value")
     size = number(value, 3) if isinstance(value, float) and isfinite(value) else "unknown"
     return f"{parameter_words(name, unit)} {size}{spaced(unit)}"
+
+
+def earlier_model_sentence(first: AlignedRun, other: AlignedRun) -> str:
+    """The rms errors of the first run's model on both runs, as a sentence; "" without a model that predicts them."""
+    folder = first.run.path.parent
+    model = folder.parent / _MODEL
+    if folder.name != _RUNS or not model.is_file():
+        return ""
+    own, found = _verified(model, first.run), _verified(model, other.run)
+    if own is None or found is None:
+        return ""
+    zero_fitted = other.offset_kind == "fitted"
+    there = found.settled.rms if zero_fitted else _rms_with_zero_of(own, found)
+    unit = spaced(display_unit(first.run.unit))
+    return (
+        f"The model of {first.name} predicts {other.name} to {number(there)}{unit} rms"
+        f"{', with its zero fitted' if zero_fitted else ''}; on {first.name} its error is "
+        f"{number(own.settled.rms)}{unit}."
+    )
+
+
+def _verified(model: Path, run: Run) -> RunVerification | None:
+    try:
+        return verify(model, [run]).runs[0]
+    except SmarigError:
+        return None
+
+
+def _rms_with_zero_of(own: RunVerification, other: RunVerification) -> float:
+    """The rms error of another run whose zero is that of the model's own run: its fitted offset would hide a change."""
+    error = other.measured - other.predicted + other.offset - own.offset
+    return root_mean_square(error[other.counted])

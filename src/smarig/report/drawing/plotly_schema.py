@@ -1,10 +1,52 @@
-"""Colours, colour scales and symbols of Plotly's schema in those of Matplotlib."""
+"""Values, labels, colours, dashes and symbols of Plotly's schema in those of Matplotlib."""
 
+import html
 import re
 from functools import cache
 from typing import Any
 
+import numpy as np
 from matplotlib.colors import Colormap, LinearSegmentedColormap
+from numpy.typing import NDArray
+
+from smarig.core import printable
+from smarig.report.components.figure import unpacked
+
+Values = NDArray[Any]
+
+
+def values(trace: dict[str, Any], key: str) -> Values:
+    """The values under a key of a trace, or of its bars or markers: packed, numbers, or names."""
+    given = trace[key]
+    if isinstance(given, dict):
+        return unpacked(given)
+    return np.asarray(given)
+
+
+def is_shown(trace: dict[str, Any]) -> bool:
+    """Whether a trace is visible."""
+    return trace.get("visible", True) is True
+
+
+_SUB, _SUP = re.compile(r"(\w*)<sub>(.*?)</sub>"), re.compile(r"(\w*)<sup>(.*?)</sup>")
+_TAG = re.compile(r"</?[a-z]+>")
+
+
+def plain_text(text: object) -> str:
+    """The label with indices and powers as mathematical text, line breaks as such, and without other tags.
+
+    Characters that no font has are shown by their numbers: Matplotlib would print them in a warning.
+
+    >>> plain_text("A<sub>s</sub> (K)<br>heating"), plain_text("a &amp; b $")
+    ('$\\\\mathregular{A_{s}}$ (K)\\nheating', 'a & b \\\\$')
+    >>> plain_text("mm\\x1b[2J\\t")
+    'mm\\\\x1b[2J '
+    """
+    words = printable(str(text)).replace("\t", " ").replace("$", r"\$").replace("<br>", "\n")
+    words = _SUB.sub(r"$\\mathregular{\1_{\2}}$", words)
+    words = _SUP.sub(r"$\\mathregular{\1^{\2}}$", words)
+    return html.unescape(_TAG.sub("", words))
+
 
 _RGB = re.compile(r"rgba?\(([^)]*)\)")
 _SYMBOLS = {

@@ -1,4 +1,4 @@
-"""The main figure of a characterisation: measured loops with the model, and its errors on held-out data."""
+"""Figures of a model on held-out data: the measured loops with it, and its errors over input and time."""
 
 import numpy as np
 
@@ -7,13 +7,18 @@ from smarig.identification import RunVerification
 from smarig.record import Run
 from smarig.replay import recorded_start
 from smarig.report.components.decimate import simplified
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
-from smarig.report.components.run_description import count_size, input_title, output_title, source_label
-from smarig.report.components.style import EXTENDED, GREY, INK, MEASURED, MODEL
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, error_ground, line
+from smarig.report.components.run_description import (
+    count_size,
+    input_title,
+    loop_axes,
+    output_title,
+    run_caption,
+    source_label,
+)
+from smarig.report.components.style import BAD, EXTENDED, INK, MEASURED, MODEL, surface_colour
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import resimulated
-from smarig.report.models.validation_figure import point_times
-from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.sample_path import sample_path
 
 _PER_MOVE = 80  # inputs of the model between two settled points: fewer are chords across the bends
@@ -25,7 +30,7 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
     """Measured path and settled points with the chosen model; its errors on the first held-out run, if there is one."""
     if e.best is None or len(training.settled) < 2:
         return None
-    panels = [Panel(_loops(e, training), _axes(training), 400, explore=True)]
+    panels = [Panel(_loops(e, training), loop_axes(training), 400, explore=True)]
     words = f"Grey: the path of the samples; dots: settled points; green: the {e.chosen} model with the same inputs."
     held_out = _held_out(e)
     if held_out is not None:
@@ -42,10 +47,6 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
         if _drifts(verification, run):
             words += " The errors are drawn over time, with which they change."
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
-
-
-def _axes(run: Run) -> dict[str, object]:
-    return {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
 
 
 def _loops(e: Evidence, run: Run) -> list[Trace]:
@@ -83,7 +84,7 @@ def _extended_errors(e: Evidence, found: RunVerification) -> Array | None:
 def _drifts(found: RunVerification, run: Run) -> bool:
     """Whether a slow change with time makes up most of the errors: against the input, a drift is invisible."""
     t, _ = point_times(run, np.arange(found.input.size, dtype=float))
-    t, error = t[found.counted], (found.measured - found.predicted)[found.counted]
+    t, error = t[found.counted], found.error[found.counted]
     if error.size <= 2 * _DRIFT_ORDER or not np.ptp(error):
         return False
     t = (t - t.mean()) / (np.ptp(t) or 1.0)
@@ -93,18 +94,80 @@ def _drifts(found: RunVerification, run: Run) -> bool:
 
 def _error_panel(found: RunVerification, run: Run, chosen: str, extended: Array | None) -> Panel:
     """Errors against the input; over time if they drift."""
-    error = np.where(found.counted, found.measured - found.predicted, np.nan)
     x, title = found.input, input_title(run)
     if _drifts(found, run):
         x, title = point_times(run, np.arange(x.size, dtype=float))
-    low, high = float(np.min(x)), float(np.max(x))
-    data: list[Trace] = []
-    if found.noise_floor:
-        data.append(noise_band(low, high, 2 * found.noise_floor, "± 2 σ of the noise floor"))
-    data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
+    data = error_ground(x, found.noise_floor)
     name = "measured − model, held out" if extended is None else f"{chosen} model, held out"
-    data.append(dots(x, error, name, INK, size=6))
+    data.append(dots(x, found.error, name, INK, size=6))
     if extended is not None:
         data.append(dots(x[found.counted], extended, "extended model", EXTENDED, size=6))
     layout = {"xaxis": axis(title), "yaxis": axis(f"Measured − model ({run.unit})")}
     return Panel(data, layout, 400)
+
+
+def validation_figure(verification: RunVerification, run: Run, surface: str) -> Figure:
+    """Measured and model in order of time; the error against time and against the input."""
+    order = np.arange(verification.input.size, dtype=float)
+    t, t_title = point_times(run, order)
+    colour = surface_colour(surface)
+    data: list[Trace] = [
+        line(t, verification.measured, "measured", INK, mode="lines+markers", width=1, dash="dot"),
+        dots(
+            t,
+            verification.predicted,
+            f"{surface} model",
+            colour,
+            symbol="circle-open",
+            size=10,
+            marker={"line": {"width": 2}},
+        ),
+    ]
+    first = {"xaxis": axis(t_title), "yaxis": axis(output_title(run))}
+    by_time = _residual(t, verification, run, t_title)
+    by_input = _residual(verification.input, verification, run, input_title(run))
+    e, unit = verification.settled, run.unit
+    points = "settled points" if run.settled else "readings"
+    floor = (
+        f"; noise floor of this run {verification.noise_floor:.2g}{spaced(unit)} (band: ± 2 σ)"
+        if verification.noise_floor
+        else "; noise floor unknown"
+    )
+    zero = (
+        "The zero of the output is that of the training runs. Nothing was fitted to this run."
+        if verification.offset_kind == "known"
+        else f"One additive offset ({verification.offset:.3g}{spaced(unit)}) was fitted because the "
+        "zero of the output is not "
+        "known."
+    )
+    return Figure(
+        [Panel(data, first, 380, wide=True), by_time, by_input],
+        f"The {surface} model on the held-out run.",
+        [
+            f"First panel: {e.n} {points} in order of time. Other panels: measured − model against time and "
+            f"against the input. The error is {e.rms:.3g}{spaced(unit)} ({e.share_text}), at "
+            f"most {e.max_abs:.3g}{spaced(unit)}{floor}. {zero}",
+            run_caption(run),
+        ],
+        source_label(run),
+        460,
+    )
+
+
+def point_times(run: Run, order: np.ndarray) -> tuple[np.ndarray, str]:
+    ends = [step.t_end_s for step in run.settled]
+    if len(ends) != order.size or not ends or any(end is None for end in ends) or not run.has("t_s"):
+        return order, "Point, in order of measurement"
+    begin = float(run["t_s"][np.isfinite(run["t_s"])][0])
+    return (np.array(ends, dtype=float) - begin) / 60, "Time since the start of the run (min)"
+
+
+def _residual(x: np.ndarray, verification: RunVerification, run: Run, title: str) -> Panel:
+    data, error = error_ground(x, verification.noise_floor), verification.error
+    late = np.array([step.verdict != "settled" for step in run.settled])
+    data.append(dots(x, error, "measured − model", INK, size=6))
+    if late.size == x.size and late.any():
+        data.append(
+            dots(x[late], error[late], f"{int(late.sum())} not settled", BAD, symbol="circle-open", size=11)
+        )
+    return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Measured − model ({run.unit})")}, 340)

@@ -1,23 +1,108 @@
-"""Figures of the weighting function μ(α, β) as map and surface, and of the reversible part g (Figs. 5.19, 5.20)."""
+"""Figures over the Preisach plane: the FOD surface with its data, μ as map and surface, and g (Figs. 5.19, 5.20)."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from smarig.core import Array, spaced
 from smarig.identification import DensityReport, Identification
 from smarig.record import Run
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
+from smarig.report.components.figure import Figure, Panel, Trace, axis, cross, heat_map, line, packed
 from smarig.report.components.numbers import number, raised
 from smarig.report.components.run_description import run_caption, source_label
-from smarig.report.components.style import DIVERGING, INK, surface_colour
+from smarig.report.components.style import DIVERGING, INK, SEQUENCE, surface_colour
 from smarig.report.models.identification_plot_data import (
+    axis_symbols,
     density_grid,
     density_map,
     density_report_of,
+    output_grid,
     reversible,
+    sign,
 )
-from smarig.report.models.surface_figure import SURFACE_MIN_PX, buttons, scene, surface_trace
+
+SURFACE_MIN_PX = 520  # a narrower three-dimensional figure would lose its sides and buttons
+
+
+def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure:
+    """The FOD surface in three dimensions with its data points; buttons select the surface."""
+    one = found[chosen]
+    d, s = one.data, sign(one)
+    points = {
+        "type": "scatter3d",
+        "mode": "markers",
+        "x": (s * d.beta).tolist(),
+        "y": (s * d.alpha).tolist(),
+        "z": (s * d.y).tolist(),
+        "name": "measured",
+        "marker": {"size": 3, "color": INK},
+    }
+    surfaces = []
+    for name, each in found.items():
+        alpha, beta, y = output_grid(each)
+        surfaces.append(
+            surface_trace(beta, alpha, y, name, name == chosen) | {"colorscale": SEQUENCE, "opacity": 0.85}
+        )
+    turn, here = axis_symbols(one)
+    layout = scene(f"{here} ({run.input_unit})", f"{turn} ({run.input_unit})", f"y ({run.unit})") | {
+        "updatemenus": [buttons(list(found), chosen, keep=1)],
+        "showlegend": False,
+    }
+    return Figure(
+        [Panel([points, *surfaces], layout, 440, min_width_px=SURFACE_MIN_PX, explore=True)],
+        f"FOD surface y(α, β), {chosen}.",
+        [
+            f"Output after the input turns at {turn} and reaches {here}. "
+            f"{f'Black: the {len(d)} measured points of these curves' if d.curves else 'No such curve was measured'}. "
+            "Explore: select a surface, rotate.",
+            run_caption(run),
+        ],
+        source_label(run),
+    )
+
+
+def surface_trace(x: Any, y: Any, z: Any, name: str, visible: bool) -> Trace:
+    """A surface trace from grids (n, n) of x, y and z."""
+    grids = {key: packed(v, single=True) for key, v in (("x", x), ("y", y), ("z", z))}
+    return {"type": "surface", "name": name, "visible": visible, "showscale": False, **grids}
+
+
+def scene(x: str, y: str, z: str) -> dict[str, Any]:
+    """The layout of a three-dimensional plot, viewed from above the β axis."""
+    titles = {
+        "xaxis": {"title": {"text": x}},
+        "yaxis": {"title": {"text": y}},
+        "zaxis": {"title": {"text": z}},
+    }
+    camera = {"eye": {"x": 1.45, "y": -1.6, "z": 0.75}, "center": {"x": 0, "y": 0, "z": -0.16}}
+    return {
+        "scene": titles
+        | {"camera": camera, "aspectmode": "manual", "aspectratio": {"x": 1.1, "y": 1.1, "z": 0.75}},
+        "margin": {"l": 0, "r": 0, "t": 44, "b": 0},
+    }
+
+
+def buttons(names: list[str], chosen: str, *, keep: int) -> dict[str, Any]:
+    """Buttons that show one surface at a time; the first ``keep`` traces are always visible."""
+    return {
+        "type": "buttons",
+        "direction": "right",
+        "x": 0,
+        "xanchor": "left",
+        "y": 1,
+        "yanchor": "bottom",
+        "active": names.index(chosen),
+        "font": {"size": 12},
+        "buttons": [
+            {
+                "label": name,
+                "method": "restyle",
+                "args": [{"visible": [True] * keep + [name == other for other in names]}],
+            }
+            for name in names
+        ],
+    }
 
 
 def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
@@ -78,31 +163,18 @@ def map_panel(
     alpha, beta, mu = grid
     top = top or float(np.nanmax(np.abs(mu))) or 1.0
     size, unit = readable_scale(top, per_square(*units))
-    common = {"x": packed(beta), "y": packed(alpha), "z": packed(mu / size, single=True)}
-    heat: Trace = common | {
-        "type": "heatmap",
-        "colorscale": DIVERGING,
-        "zmin": -top / size,
-        "zmax": top / size,
-        "colorbar": {"title": {"text": f"μ ({unit})", "side": "right"}, "thickness": 12},
-        "hovertemplate": "α %{y:.4g}<br>β %{x:.4g}<br>μ %{z:.3g}<extra></extra>",
-    }
+    ends, hover = (-top / size, top / size), "α %{y:.4g}<br>β %{x:.4g}<br>μ %{z:.3g}"
+    heat = heat_map(beta, alpha, mu / size, ends, f"μ ({unit})", hover)
     data: list[Trace] = [heat]
     if not d.M_P and beta.size == mu.shape[1]:
-        data.append(common | _NEGATIVE)
-    ends = [float(beta.min()), float(beta.max())]
-    data.append(line(ends, ends, "α = β", INK, width=1, hoverinfo="skip"))
-    cross = {
-        "symbol": "x-thin",
-        "size": 11,
-        "cliponaxis": False,
-        "marker": {"line": {"width": 2, "color": INK}},
-    }
-    data.append(dots([d.mu_min_at[1]], [d.mu_min_at[0]], "minimum", INK, **cross))
+        data.append({key: heat[key] for key in "xyz"} | _NEGATIVE)
+    inputs = [float(beta.min()), float(beta.max())]
+    data.append(line(inputs, inputs, "α = β", INK, width=1, hoverinfo="skip"))
+    data.append(cross(d.mu_min_at[1], d.mu_min_at[0], "minimum", INK, size=11, cliponaxis=False))
     layout = {
         "title": {"text": name, "font": {"size": 14}, "x": 0.02, "y": 0.97},
-        "xaxis": axis(f"β ({units[1]})", constrain="domain", range=ends),
-        "yaxis": axis(f"α ({units[1]})", scaleanchor="x", constrain="domain", range=ends),
+        "xaxis": axis(f"β ({units[1]})", constrain="domain", range=inputs),
+        "yaxis": axis(f"α ({units[1]})", scaleanchor="x", constrain="domain", range=inputs),
         "showlegend": False,
     }
     return Panel(data, layout, 430)
