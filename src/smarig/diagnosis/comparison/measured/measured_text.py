@@ -59,8 +59,8 @@ def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
     shift = f"{-offset.offset:.3g} [{ends[0]:.3g}, {ends[1]:.3g}] {input_unit}"
     return (
         f"The loop of held-out run {offset.run} is shifted by {shift} along the input against the training runs: the "
-        "reading of the input, the load or the specimen differs. Without this shift its rms error falls from "
-        f"{offset.without:.4g} to {offset.with_offset:.4g}{spaced(unit)}."
+        "reading of the input, the load or the specimen differs. With this shift, blocks of that run that are left "
+        f"out are predicted to {offset.with_offset:.4g}{spaced(unit)} instead of {offset.without:.4g}{spaced(unit)}."
     )
 
 

@@ -17,7 +17,10 @@ from smarig.diagnosis.comparison.measured.varied_together import OVER_CYCLES, at
 LENGTH = 0.35  # of the variable's range
 NEEDS_CLOCK = ("rate", "speed", "time", "time_since_reversal")
 VARIABLES = ("rate", "speed", "time", "cycle", "history", "time_since_reversal", "stress", "run")
-FEWEST_CYCLES = 3  # of one record: with fewer, a drift is a part of the loop
+FEWEST_CYCLES = (
+    3  # of one record: with fewer, a drift is a part of the loop, and what a branch has one of is its name
+)
+OF_BRANCHES = (*OVER_CYCLES, "rate", "history")  # one value, or about one, a branch
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +44,7 @@ def testable_variables(problem: ReadingProblem) -> list[str]:
     names = [n for n in names if problem.clock or n not in NEEDS_CLOCK]
     names = [n for n in names if np.ptp(problem.variables[n][problem.train]) > 1e-9]
     if _most_cycles(problem) < FEWEST_CYCLES:
-        names = [n for n in names if n not in OVER_CYCLES]
+        names = [n for n in names if n not in OF_BRANCHES or n in between_runs(problem)]
     if at_one_rate(problem):
         names = [n for n in names if n not in ("rate", "speed")]
     known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
