@@ -42,7 +42,7 @@ def lag_note(branches: Sequence[FullBranch], lag_s: float | None, unit: str) -> 
     at = f"at {mean[HEATING]:.3g} (heating) and {mean[COOLING]:.3g} (cooling) {unit}/s on average"
     if lag_s is None:
         return (
-            f"The temperature did not settle: it moved {at}. The intervals contain no lag between the wire and its "
+            f"The temperature did not settle: it moved {at}. The intervals contain no lag between the specimen and its "
             f"thermometer; each second of lag raises A_s and A_f by {mean[HEATING]:.3g} K and lowers M_s and M_f by "
             f"{mean[COOLING]:.3g} K."
         )

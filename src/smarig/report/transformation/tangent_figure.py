@@ -15,7 +15,7 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import COOLING, FAINT, GREY, HEATING, INK
-from smarig.transformation import CORNERS, TEMPERATURES, BranchTangents, CycleFigures, RunFigures
+from smarig.transformation import CORNERS, DECADE, TEMPERATURES, BranchTangents, CycleFigures, RunFigures
 
 Gap = tuple[float, float]
 _BEYOND = 0.12  # of its length: how far a tangent is drawn beyond its corners
@@ -28,7 +28,7 @@ def tangent_figure(run: RunFigures) -> Figure:
     cycle = [c for c in run.cycles if c.whole][-1]
     gaps = [gap for branch in (cycle.heating, cycle.cooling) if branch for gap in branch.gaps]
     data = [_behind(run, gaps), *_branch_traces(cycle), *_corner_traces(cycle, run)]
-    layout = {"xaxis": axis(input_title(run.run)), "yaxis": axis(output_title(run.run))}
+    layout = {"xaxis": axis(input_title(run.run)), "yaxis": axis(_output_title(run))}
     others = len(run.cycles) - 1
     behind = f"Grey: all readings, {others + 1} cycles." if others else "Grey: all readings."
     return Figure(
@@ -44,6 +44,12 @@ def tangent_figure(run: RunFigures) -> Figure:
         ],
         source_label(run.run),
     )
+
+
+def _output_title(run: RunFigures) -> str:
+    """What the vertical axis shows: the output, or its logarithm."""
+    title = output_title(run.run)
+    return f"Logarithm (base 10) of {title[:1].lower()}{title[1:]}" if run.record.unit == DECADE else title
 
 
 def _behind(run: RunFigures, gaps: Sequence[Gap]) -> Trace:
