@@ -267,7 +267,7 @@ def _entries(
         ):
             return entries | _at_line(block)  # segments with blank lines between them, up to the end
         if block.own_names:
-            return None if block is not blocks[0] else entries | _at_line(block)
+            return entries | _at_line(block) if block in (blocks[0], blocks[-1]) else None
         start = lines[block.header][:_LONGEST_START]
         number = sum(line.startswith(start) for line in lines[: block.header + 1])
         entries |= {"header_starts": start, "table": number}
