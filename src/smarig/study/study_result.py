@@ -47,6 +47,8 @@ from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.noise_of_input import noise_by_input
+from smarig.study.physical_roles import leads
+from smarig.study.pulled_wires import is_pulled, load_as_input
 from smarig.study.study_json import study_json
 from smarig.study.study_sentences import (
     LEVEL_WORDS,
@@ -247,13 +249,13 @@ class StudyResult:
             worst_branch=self._share(self.branches[0].rms) if self.branches else 0.0,
             worst_place=self._share(place.worst) if place else 0.0,
             unpredicted=self.unpredicted,
-            doubtful=self._one_way or self._left_out_is_worse,
+            doubtful=self.goes_one_way or self._left_out_is_worse,
         )
         return str(self._error_verdict(parts).level)
 
     def _error_verdict(self, parts: ErrorParts | None = None) -> ErrorVerdict:
         curves = AgainstCurves(self.gain, self._as_a_branch_pair)
-        if self._one_way:  # a curve is all that one branch can show
+        if self.goes_one_way:  # a curve is all that one branch can show
             curves = AgainstCurves(max(self.gain, 1.0), full_loops=True)
         if self.evaluation is None:
             return error_verdict(np.nan, self.noise, self.nrmse, curves=curves, parts=parts)
@@ -262,7 +264,8 @@ class StudyResult:
         return error_verdict(found.rms, self.noise, self.nrmse, *unsteady[:1], curves=curves, parts=parts)
 
     @cached_property
-    def _one_way(self) -> bool:
+    def goes_one_way(self) -> bool:
+        """Whether the input of all data goes one way only."""
         return self.evaluation is not None and one_way(self.evaluation.best)
 
     def _share(self, error: float) -> float:
@@ -310,8 +313,8 @@ class StudyResult:
         return f" {proportional_sentence(slope, self.unit, self.tables[0].run.input_unit)}"
 
     @cached_property
-    def field_loops(self) -> FieldLoops | None:
-        """The coercive field and remanence of loops over a field; None for other data."""
+    def field_loops(self) -> tuple[FieldLoops, ...]:
+        """The coercive field and remanence of loops over a field, for each condition of the runs."""
         return field_loops([table.run for table in self.tables])
 
     def masked(self) -> list[str]:
@@ -322,6 +325,8 @@ class StudyResult:
         """What would show more, one sentence each."""
         found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
         found += [self.assumed] if self.assumed else []
+        found += [self.understood.joined] if self.understood.joined else []
+        found += self._pulled()
         found += self._elsewhere()[:1]  # the others are in the table of the columns
         found += mended(self.tables)
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
@@ -331,6 +336,17 @@ class StudyResult:
                 "are equally spaced, give their period: period_s under [time] in mapping.toml, with --map."
             )
         return found
+
+    def _pulled(self) -> list[str]:
+        """Why the load of a pulled wire is the input, though the elongation may have been set."""
+        drive, out = (self.understood.guesses[0].first(role) for role in ("input", "output"))
+        if self.mapping or drive is None or out is None or not is_pulled(drive, out):
+            return []
+        return (
+            [f"{capitalised(load_as_input(drive, out))}."]
+            if leads(drive.facts.values, out.facts.values)
+            else []
+        )
 
     def _elsewhere(self) -> list[str]:
         """How thermometers differ that are no witnesses of the input."""
@@ -362,7 +378,7 @@ class StudyResult:
             return f"{level}, for want of fitted data"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
-        if level is ErrorLevel.FAIR and self._one_way:
+        if level is ErrorLevel.FAIR and self.goes_one_way:
             return "no loop to judge it by"
         if level is ErrorLevel.POOR and self._level_on_average is not level and not self.unpredicted > 0.5:
             return f"{LEVEL_WORDS[level]} on {branch_name(self.branches[0], temperature=self._hot)}"
@@ -384,7 +400,7 @@ class StudyResult:
         return found
 
     def _simple_sentence(self) -> str:
-        if self.evaluation is None or not self.evaluation.simple or self._one_way:
+        if self.evaluation is None or not self.evaluation.simple or self.goes_one_way:
             return ""
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
         return simple_curve_sentence(

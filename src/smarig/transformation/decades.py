@@ -21,7 +21,7 @@ def in_decades(record: TemperatureRecord, quantity: str | None) -> TemperatureRe
     if quantity not in _OF_RATIOS or low <= 0 or np.log10(high / low) <= _FEWEST:
         return record
     note = (
-        f"The {quantity} spans {np.log10(high / low):.2g} decades: the tangents are those of its logarithm, and figures "
-        "of the output are in decades."
+        f"The {quantity} spans {np.log10(high / low):.2g} decades: the tangents are those of its logarithm, and "
+        "figures of the output are in decades."
     )
     return replace(record, y=np.log10(record.y), unit=DECADE, notes=(*record.notes, note))
