@@ -177,6 +177,7 @@ def test_groups_of_equal_names_below_a_small_table(write, rows):
     path = write(f"Probe;Durchmesser;L0\n;mm;mm\n{small}\n\n{names}\ns;N;mm;s;N;mm\n{body}\n")
     first, second = find_tables(path)
     assert (len(first), len(second)) == (rows, 40)
+    assert (first.name, second.name) == (f"lines 3 to {rows + 2}", "table 1")
     assert second.names == ("Zeit", "Kraft", "Weg", "Zeit (2)", "Kraft (2)", "Weg (2)")
     again = read_table(path, layout_of(second))
     np.testing.assert_allclose(again.columns["Weg (2)"], a[:, 2], atol=6e-4)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import capitalised, shown
+from smarig.core import capitalised
 from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis
 from smarig.identification import (
     BETTER,
@@ -31,6 +31,7 @@ from smarig.study.candidate_models import (
     noise_of_neighbours,
     noise_of_repeats,
 )
+from smarig.study.column_hints import NO_TIME, column_hints
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import (
     differing_conditions,
@@ -47,8 +48,6 @@ from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.noise_of_input import noise_by_input
-from smarig.study.physical_roles import leads
-from smarig.study.pulled_wires import is_pulled, load_as_input
 from smarig.study.study_json import study_json
 from smarig.study.study_sentences import (
     LEVEL_WORDS,
@@ -70,7 +69,6 @@ from smarig.study.understanding import Understanding
 from smarig.study.undetermined_states import UndeterminedStates, inside, new_turns, turns_of
 from smarig.transformation import Calorimetry
 
-_EXCHANGED = "If input and output are exchanged, name them with --input and --output."
 _LESS = 0.97  # of the error without a cause: less of a gain is hardly one
 GOOD, FAIR, POOR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR), str(ErrorLevel.POOR)
 
@@ -323,36 +321,11 @@ class StudyResult:
 
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
-        found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
-        found += [self.assumed] if self.assumed else []
-        found += [self.understood.joined] if self.understood.joined else []
-        found += self._pulled()
-        found += self._elsewhere()[:1]  # the others are in the table of the columns
-        found += mended(self.tables)
+        found = [*column_hints(self.understood, of_mapping=self.mapping is not None), *mended(self.tables)]
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
-            found.append(
-                "No time is recorded: a lag is given in rows, creep and rates cannot be tested. If the rows "
-                "are equally spaced, give their period: period_s under [time] in mapping.toml, with --map."
-            )
-        return found
-
-    def _pulled(self) -> list[str]:
-        """Why the load of a pulled wire is the input, though the elongation may have been set."""
-        drive, out = (self.understood.guesses[0].first(role) for role in ("input", "output"))
-        if self.mapping or drive is None or out is None or not is_pulled(drive, out):
-            return []
-        return (
-            [f"{capitalised(load_as_input(drive, out))}."]
-            if leads(drive.facts.values, out.facts.values)
-            else []
-        )
-
-    def _elsewhere(self) -> list[str]:
-        """How thermometers differ that are no witnesses of the input."""
-        lead = self.understood.guesses[0]
-        others = [c.name for c in lead.of_role("elsewhere") if c.name not in lead.branches.values()]
-        return [f"{shown(name)} is not used: {lead.roles[name].reason}." for name in others]
+            found.append(NO_TIME)
+        return [self.assumed, *found] if self.assumed else found
 
     @property
     def _is_fitted(self) -> bool:
