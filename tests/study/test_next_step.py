@@ -69,13 +69,14 @@ def test_text_page_and_json_have_it(tmp_path):
     assert "<b>Next: </b>" in (tmp_path / "out" / "index.html").read_text()
 
 
-def test_where_a_condition_differs_the_same_run_is_not_repeated():
-    found = result("unknown", depends_on="run")
+@pytest.mark.parametrize(("variable", "verdict"), [("run", "fair"), ("run", "poor"), ("rate", "poor")])
+def test_where_a_condition_differs_the_same_run_is_not_repeated(variable, verdict):
+    found = result("unknown", depends_on=variable, verdict=verdict)
     runs = [{"load": {"mean": mean, "unit": "N"}} for mean in (1.0, 5.0)]
     found.tables = [SimpleNamespace(run=SimpleNamespace(info=SimpleNamespace(conditions=c))) for c in runs]
     assert next_step(found) == "Study the runs of each load by themselves: one model does not know it."
     found.tables = found.tables[:1]
-    assert "another day" in next_step(found)
+    assert ("another day" if variable == "run" else "half the rate") in next_step(found)
 
 
 def test_a_branch_alone_needs_the_way_back():

@@ -6,6 +6,7 @@ from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis, variable_exp
 from smarig.identification import ErrorLevel
 from smarig.measurement import measurement_effect_types
 from smarig.plant import effect_types
+from smarig.study.data_split import LOAD
 from smarig.study.runs_by_condition import differing
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def next_step(result: "StudyResult") -> str:
     d, step = result.diagnosis, ""
     if d is not None and d.verdict.word in ("named", "ambiguous"):
         step = _of_causes(d)
-    elif d is not None and d.verdict.depends_on == "run" and (names := _differing(result)):
+    elif result.verdict != ErrorLevel.GOOD and (names := _pooled(result)):
         words = " and ".join(name.replace("_", " ") for name in names)
         step = f"Study the runs of each {words} by themselves: one model does not know it."
     elif d is not None and d.verdict.word == "unknown" and d.verdict.depends_on:
@@ -35,9 +36,10 @@ def next_step(result: "StudyResult") -> str:
     return f"{_USE}." if result.inner_loops == "fitted" else _INNER
 
 
-def _differing(result: "StudyResult") -> list[str]:
-    """The conditions in which the runs differ: another run would not tell more of that."""
-    return differing([table.run for table in result.tables])
+def _pooled(result: "StudyResult") -> list[str]:
+    """The conditions in which the runs of one model differ; none for a stress, which models can depend on."""
+    names = differing([table.run for table in result.tables])
+    return [] if LOAD in names else names
 
 
 def _of_causes(d: CommandedDiagnosis | MeasuredDiagnosis) -> str:

@@ -138,13 +138,17 @@ def _roles(guess: TableGuess) -> Iterable[dict[str, str]]:
         outputs = [c for c in outputs if c.quantity == out.quantity]
     pairs = [(a, b) for a in inputs for b in outputs if a.name != b.name]
     if open_ or drive is None:
-        pairs.sort(key=lambda pair: (not _is_loop(*pair), -evenness(pair[0].facts.values)))
+        pairs.sort(key=_doubt)
     return ({"input": a.name, "output": b.name} for a, b in pairs)
 
 
-def _is_loop(drive: ColumnGuess, out: ColumnGuess) -> bool:
-    """Whether the loop of two columns is that of an input and its output."""
-    return role_vote(drive.facts.values, out.facts.values).score > 0
+def _doubt(pair: tuple[ColumnGuess, ColumnGuess]) -> tuple[bool, float, int]:
+    """What speaks against two columns as input and output: their loop, an input not swept evenly (to a hundredth,
+    which noise may change), and how little their loop says.
+    """
+    drive, out = (c.facts.values for c in pair)
+    score = role_vote(drive, out).score
+    return score <= 0, -round(evenness(drive), 2), -score
 
 
 def _able(guess: TableGuess) -> Sequence[ColumnGuess]:
