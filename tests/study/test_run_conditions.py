@@ -68,3 +68,23 @@ def test_a_loop_at_each_temperature_of_one_file_is_a_run(tmp_path):
     found = understand([file_of(tmp_path, "all.txt", columns)], StudyOptions()).guesses
     assert [len(guess.table) for guess in found] == [PHASE.size] * 3
     assert all(guess.roles["Temperature (K)"].role == "condition" for guess in found)
+
+
+def test_a_column_in_another_unit_than_its_condition_is_none(tmp_path):
+    """Numbers that the names of the files call a frequency, and a force in counts of a converter."""
+    paths = []
+    for k, hertz in enumerate((2, 5)):
+        u = 4000 * np.cos(PHASE)
+        columns = {
+            "t (s)": PHASE * 100,
+            "H (Oe)": u,
+            "M (emu)": np.tanh(u / (900 + k)),
+            "A7": np.full(u.size, hertz),
+        }
+        path = file_of(
+            tmp_path, f"run_{hertz}Hz.txt", columns | {"load cell": np.full(u.size, 700 + 300 * k)}
+        )
+        paths.append(path)
+    result = study(paths, tmp_path / "out", StudyOptions(diagnose=False))
+    assert [table.run.info.conditions["frequency"]["mean"] for table in result.tables] == [2, 5]
+    assert all("load" not in table.run.info.conditions for table in result.tables)

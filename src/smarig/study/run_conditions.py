@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import LIKELY, ColumnGuess
-from smarig.study.stated_conditions import condition_name
+from smarig.study.stated_conditions import condition_name, may_be_condition
 from smarig.study.table_guess import Role, TableGuess
 
 _REASON = "{}held in each run and different between runs"
@@ -33,7 +33,13 @@ def _is_condition(name: str, guesses: Sequence[TableGuess]) -> bool:
 def _has_values(c: ColumnGuess) -> bool:
     """Whether a column holds readings in a unit that is known, or none."""
     known = bool(c.unit) or not (c.facts.written_unit or c.unit_reason)
-    return c.facts.kind == "number" and bool(c.facts.known.size) and c.quantity not in q.NO_SIGNALS and known
+    return (
+        c.facts.kind == "number"
+        and bool(c.facts.known.size)
+        and c.quantity not in q.NO_SIGNALS
+        and known
+        and may_be_condition(c)
+    )
 
 
 def _differ(columns: Sequence[ColumnGuess]) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from smarig.core import shown
-from smarig.exchange import FoundColumn, dimension, known_unit
+from smarig.exchange import CONDITION_UNITS, FoundColumn, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import VALUE_IN_NAME, ColumnGuess
 from smarig.study.hung_weights import hung_weight
@@ -34,6 +34,12 @@ def condition_name(c: ColumnGuess) -> str:
     return (
         CONDITIONS.get(c.quantity) or re.sub(r"\W+", "_", c.quantity or c.label or c.name).strip("_").lower()
     )
+
+
+def may_be_condition(c: ColumnGuess) -> bool:
+    """Whether a column is in a unit of the condition that it would be: runs are compared by some in one unit."""
+    expected = CONDITION_UNITS.get(condition_name(c))
+    return expected is None or dimension(c.unit) == dimension(expected)
 
 
 class Stated(NamedTuple):
