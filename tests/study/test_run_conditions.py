@@ -88,3 +88,10 @@ def test_a_column_in_another_unit_than_its_condition_is_none(tmp_path):
     result = study(paths, tmp_path / "out", StudyOptions(diagnose=False))
     assert [table.run.info.conditions["frequency"]["mean"] for table in result.tables] == [2, 5]
     assert all("load" not in table.run.info.conditions for table in result.tables)
+
+
+def test_a_column_of_the_quantity_of_the_output_is_a_result(tmp_path):
+    paths = runs(tmp_path, "M rem (emu)", (2.0, 9.0), width=lambda level: 700 + level)
+    guesses = understand(paths, StudyOptions()).guesses
+    assert [guess.first("output").name for guess in guesses] == ["M (emu)"] * 2
+    assert all(guess.roles["M rem (emu)"].role == "ignored" for guess in guesses)

@@ -133,8 +133,11 @@ def guess_columns(
 
 
 def _in_message(guess: ColumnGuess) -> ColumnGuess:
-    """The guess with the unit that its quantity has in a message, if its name states the quantity and no unit."""
-    unit = "" if guess.unit or guess.unit_reason or guess.by_numbers else si_unit(guess.quantity)
+    """The guess with the unit that its quantity has in a message, if its name states the quantity and no unit; whole
+    numbers are counts of a converter.
+    """
+    counts = guess.facts.whole and guess.quantity in (q.DISPLACEMENT, q.ANGLE, q.FORCE)
+    unit = "" if guess.unit or guess.unit_reason or guess.by_numbers or counts else si_unit(guess.quantity)
     return replace(guess, unit=unit, unit_reason=REASON, unit_confidence=LIKELY) if unit else guess
 
 

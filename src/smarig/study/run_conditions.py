@@ -23,11 +23,14 @@ def with_run_conditions(guesses: Sequence[TableGuess]) -> list[TableGuess]:
 
 
 def _is_condition(name: str, guesses: Sequence[TableGuess]) -> bool:
+    """Whether a column that is not used differs between the runs; one of the quantity of the output is a result."""
     columns = [_column(guess, name) for guess in guesses]
+    results = {c.quantity for guess in guesses for c in guess.of_role("output")} - {""}
     unused = all(
         guess.roles[name].role == "ignored" and name not in guess.branches.values() for guess in guesses
     )
-    return unused and all(map(_has_values, columns)) and _differ(columns)
+    known = all(_has_values(c) and c.quantity not in results for c in columns)
+    return unused and known and _differ(columns)
 
 
 def _has_values(c: ColumnGuess) -> bool:
