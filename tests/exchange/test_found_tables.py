@@ -167,6 +167,22 @@ def test_several_tables_in_one_file(write):
         )
 
 
+@pytest.mark.parametrize("rows", [3, 6])
+def test_groups_of_equal_names_below_a_small_table(write, rows):
+    """A list of specimens, and below it the readings of each, side by side."""
+    a = loop(40, seed=4)
+    small = "\n".join(f"S{k};0,3;{20 + k},5" for k in range(rows))
+    body = "\n".join(";".join(f"{x:.3f}".replace(".", ",") for x in (*row, *row)) for row in a)
+    names = ";".join(["Zeit", "Kraft", "Weg"] * 2)
+    path = write(f"Probe;Durchmesser;L0\n;mm;mm\n{small}\n\n{names}\ns;N;mm;s;N;mm\n{body}\n")
+    first, second = find_tables(path)
+    assert (len(first), len(second)) == (rows, 40)
+    assert (first.name, second.name) == (f"lines 3 to {rows + 2}", "table 1")
+    assert second.names == ("Zeit", "Kraft", "Weg", "Zeit (2)", "Kraft (2)", "Weg (2)")
+    again = read_table(path, layout_of(second))
+    np.testing.assert_allclose(again.columns["Weg (2)"], a[:, 2], atol=6e-4)
+
+
 @pytest.mark.parametrize(
     "content",
     [b"", b"some words\nand more\n", b"\x00\x01\x02" * 400, codecs.BOM_UTF16_LE, b"1\n2\n3\n", b"a,b\n1,2\n"],

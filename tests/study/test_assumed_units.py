@@ -40,12 +40,12 @@ def units_in(sentence, name):
     ("drive", "out", "assumed"),
     [
         ("Voltage chan 1", "x [mm]", {"Voltage chan 1": ("V", ["mV"])}),
-        ("T [°C]", "Position axis 1", {"Position axis 1": ("mm", ["um", "%", "V"])}),
+        ("T [°C]", "Position axis 1", {"Position axis 1": ("mm", ["m", "um", "%", "V"])}),
         ("T [°C]", "Kraft", {"Kraft": ("N", ["mN", "kN"])}),
         (
             "Current",
             "Position axis 1",
-            {"Current": ("A", ["mA"]), "Position axis 1": ("mm", ["um", "%", "V"])},
+            {"Current": ("A", ["mA"]), "Position axis 1": ("mm", ["m", "um", "%", "V"])},
         ),
         ("T [°C]", "x [mm]", {}),
     ],

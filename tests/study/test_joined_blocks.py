@@ -58,8 +58,21 @@ def test_files_of_more_and_fewer_steps_have_one_layout(tmp_path):
     assert guesses[0].table.layout == guesses[1].table.layout
 
 
-def test_a_clock_that_restarts_keeps_blocks_apart(tmp_path):
-    path = blocks(tmp_path / "a.txt", ramps(3), restart=True)
+@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize("title", ["", "Interval {}\n"])
+def test_a_clock_that_restarts_goes_on_where_the_input_does(tmp_path, count, title):
+    path = blocks(tmp_path / "a.txt", ramps(count), restart=True, title=title)
+    result = study([path], tmp_path / "out", StudyOptions(diagnose=False))
+    (table,) = result.tables
+    np.testing.assert_allclose(table.run["input"], np.concatenate(ramps(count)), atol=1e-3)
+    np.testing.assert_allclose(np.diff(table.run["t_s"]), 1.0, atol=0.01)
+    assert not any("only a heating branch" in line for line in result.transformation.lines())
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_clock_that_restarts_at_another_input_keeps_blocks_apart(tmp_path, turned):
+    again = [part[::-1] if turned else part for part in ramps(1) * 3]
+    path = blocks(tmp_path / "a.txt", again, restart=True)
     assert len(understand([path], StudyOptions()).guesses) == 3
 
 

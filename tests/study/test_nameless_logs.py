@@ -107,9 +107,9 @@ def test_no_reason_of_another_pair_stays_beside_an_answer(tmp_path, seed):
     noise = 0.01 * np.round(np.random.default_rng(seed).normal(1, 0.1, ROWS), 3)
     path = log(tmp_path / "a.txt", 0.5 * np.arange(ROWS), U, X / 100, noise)
     guess = guess_table(*find_tables(path))
-    assert guess.roles["column 2"].reason.startswith("the names of the columns say nothing")
+    assert guess.roles["column 2"].reason.startswith("no name of a column says which is the input")
     assert guess.first("output").name == "column 3"
     options = StudyOptions(input=None, output="column 4")
     (answered,) = understand([path], options).guesses
     assert answered.first("input").name == "column 2"
-    assert "the names of the columns say nothing" not in answered.roles["column 2"].reason
+    assert "no name of a column says which is the input" not in answered.roles["column 2"].reason

@@ -17,6 +17,8 @@ def result(word="silent", names=(), depends_on=None, *, verdict="fair", inner="f
         diagnosis=SimpleNamespace(verdict=verdict_of, extended=extended),
         verdict=verdict,
         inner_loops=inner,
+        goes_one_way=False,
+        tables=[],
     )
 
 
@@ -65,3 +67,19 @@ def test_text_page_and_json_have_it(tmp_path):
     assert "reversal curves" in step
     assert found.to_json()["next_step"] == step
     assert "<b>Next: </b>" in (tmp_path / "out" / "index.html").read_text()
+
+
+@pytest.mark.parametrize(("variable", "verdict"), [("run", "fair"), ("run", "poor"), ("rate", "poor")])
+def test_where_a_condition_differs_the_same_run_is_not_repeated(variable, verdict):
+    found = result("unknown", depends_on=variable, verdict=verdict)
+    runs = [{"load": {"mean": mean, "unit": "N"}} for mean in (1.0, 5.0)]
+    found.tables = [SimpleNamespace(run=SimpleNamespace(info=SimpleNamespace(conditions=c))) for c in runs]
+    assert next_step(found) == "Study the runs of each load by themselves: one model does not know it."
+    found.tables = found.tables[:1]
+    assert ("another day" if variable == "run" else "half the rate") in next_step(found)
+
+
+def test_a_branch_alone_needs_the_way_back():
+    found = result("unknown", depends_on="rate")
+    found.goes_one_way = True
+    assert "way back" in next_step(found)

@@ -29,6 +29,26 @@ def commands_in(error):
     return [f"smarig study {part}".rstrip(".") for part in text.split("smarig study ")[1:]]
 
 
+def test_a_flag_is_no_answer_and_the_ramped_column_comes_first(tmp_path):
+    """A voltage that goes in a triangle, the current that follows it, a switch, and the signal of a sensor."""
+    ramp = np.interp(K, [0, 75, 150, 225, 299], [-1, 1, -1, 1, -1])
+    out = np.tanh((np.roll(ramp, 6) - 0.1) / 0.3)
+    switch = (np.gradient(ramp) > 0).astype(float)
+    columns = {
+        "t (s)": K,
+        "on/off": switch,
+        "I (mA)": np.gradient(out) + 0.1 * ramp,
+        "set (V)": ramp,
+        "AI 2 (V)": out,
+    }
+    with pytest.raises(UnsureError) as error:
+        understand([file_of(tmp_path, columns)], StudyOptions())
+    commands = [shlex.split(command.split("; ")[0]) for command in commands_in(error)]
+    first = dict(zip(commands[0], commands[0][1:]))
+    assert (first["--input"], first["--output"]) == ("set (V)", "AI 2 (V)")
+    assert not any("on/off" in word for command in commands for word in command)
+
+
 TABLES = {
     "a unit": {"t (s)": K, "T (degC)": U, "Foo bar": Y},
     "units of both": {"u [foo]": U, "y [bar]": Y},

@@ -5,6 +5,8 @@ import pytest
 
 from smarig.cli import run
 from smarig.study import guess_table, mapping_draft
+from smarig.study.study_options import StudyOptions
+from smarig.study.understanding import understand
 from study.known_data import displacements, table_of
 
 PERIOD_S = 0.5
@@ -85,3 +87,47 @@ def test_a_place_elsewhere_is_a_sentence(tmp_path, capsys):
     assert "'T_oven [degC]' is not used: it usually reads 2 K lower while it heats and 6 K higher" in out
     assert "differs by more than 5 K in 50 % of the rows" in out
     assert "only a heating branch" not in out
+
+
+def day_cycles(days=4, rows=90):
+    """Temperatures of a specimen in the sun, of the air, and of the box of the logger, which lags and warms less."""
+    hour = np.arange(days * rows) * 24 / rows
+    sun = np.clip(np.sin((hour - 6) / 24 * 2 * np.pi), 0, None)
+    late = np.clip(np.sin((hour - 8) / 24 * 2 * np.pi), 0, None)
+    return 10 + 27 * sun, 10 + 16 * sun, 11 + 15 * late
+
+
+@pytest.mark.parametrize(
+    "inside", ["PTemp_C", "Board temp [degC]", "Cold junction temp [degC]", "logger temp [degC]"]
+)
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_the_thermometer_of_the_instrument_is_no_specimen(inside, order):
+    specimen, air, box = day_cycles()
+    named = [("TC1 [degC]", specimen), ("T_air [degC]", air), (inside, box)]
+    t = np.arange(specimen.size) * 60.0
+    columns = {"t [s]": t} | dict(named[k] for k in order) | {"x [mm]": displacements(specimen)}
+    guess = guess_table(table_of(**columns))
+    assert guess.first("input").name == "TC1 [degC]"
+    assert not guess.of_role("compare")
+
+
+@pytest.mark.parametrize("apart_K", [8.0, 15.0])
+def test_a_difference_that_grows_slowly_is_that_of_a_place(apart_K):
+    """As beside a fan that runs for some minutes; a fault comes from one row to the next."""
+    u, _ = ramps()
+    bump = apart_K * np.exp(-(((np.arange(u.size) - 200) / 30) ** 2))
+    assert not guessed(u, u + bump, "T2").of_role("compare")
+    assert guessed(u, u + np.where(bump > apart_K / 2, apart_K, 0.0), "T2").of_role("compare")
+
+
+def test_an_input_that_the_user_named_is_not_blamed(tmp_path):
+    u, _ = ramps()
+    faulty = np.where(np.arange(u.size) // 20 == 7, u + 40, u)
+    rows = (f"{k},{a:.3f},{b:.3f},{x:.4f}" for k, (a, b, x) in enumerate(zip(u, faulty, displacements(u))))
+    path = tmp_path / "a.csv"
+    path.write_text("t [s],T1 [degC],T2 [degC],x [mm]\n" + "\n".join(rows) + "\n")
+    (free,) = understand([path], StudyOptions()).guesses
+    (named,) = understand([path], StudyOptions(input="T1 [degC]", output="x [mm]")).guesses
+    assert free.of_role("compare")
+    assert not named.of_role("compare")
+    assert "you named the input" in named.roles["T2 [degC]"].reason

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from smarig.exchange.importing import ImportReport as ImportReport
     from smarig.exchange.importing import import_file as import_file
     from smarig.exchange.layouts.logged_rows import logged_rows as logged_rows
+    from smarig.exchange.mappings.mapping import CONDITION_UNITS as CONDITION_UNITS
     from smarig.exchange.mappings.mapping import MappingFile as MappingFile
     from smarig.exchange.mappings.mapping import load_mapping as load_mapping
     from smarig.exchange.tables.forc_file import read_forc as read_forc

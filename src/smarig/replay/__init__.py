@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from smarig.replay.conditions import foreign_conditions as foreign_conditions
     from smarig.replay.conditions import pooled_conditions as pooled_conditions
     from smarig.replay.conditions import recorded_conditions as recorded_conditions
+    from smarig.replay.conditions import same_condition as same_condition
     from smarig.replay.electrical_energy import ElectricalEnergy as ElectricalEnergy
     from smarig.replay.electrical_energy import electrical_energy as electrical_energy
     from smarig.replay.extended_model import extended_operator as extended_operator

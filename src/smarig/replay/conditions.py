@@ -18,6 +18,7 @@ PHRASES = {
     "load": "under a load of {}",
     "room_temperature": "at a room temperature of {}",
     "chamber_temperature": "at a chamber temperature of {}",
+    "temperature": "at {}",
     "magnetic_field": "in a magnetic field of {}",
     "frequency": "at {}",
     "specimen": "of specimen {}",

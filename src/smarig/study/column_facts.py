@@ -47,6 +47,11 @@ class ColumnFacts:
         return self.high - self.low
 
     @property
+    def is_flag(self) -> bool:
+        """Whether every value is 0 or 1, and both occur."""
+        return self.levels == 2 and self.low == 0 and self.high == 1
+
+    @property
     def lowest_reading(self) -> float:
         """The lowest value, drop-outs to 0 aside."""
         return float(np.min(self.known[~dropouts(self.known)]))

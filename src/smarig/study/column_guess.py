@@ -11,6 +11,7 @@ from smarig.core import shown
 from smarig.exchange import FoundColumn, FoundTable, continued_counts, convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
+from smarig.study.message_units import REASON, are_messages, si_unit
 from smarig.study.shared_prefixes import shared_prefix
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
@@ -68,6 +69,11 @@ class ColumnGuess:
         """Whether its name says what the column is; a unit alone does not tell it from others in that unit."""
         return self.stated_by == "name"
 
+    @property
+    def is_flag(self) -> bool:
+        """Whether it is a state of the instrument, on or off: zeros and ones, of which nothing says a quantity."""
+        return self.facts.is_flag and self.by_numbers and not self.unit
+
     def without_meaning(self) -> "ColumnGuess":
         """The guess without the quantity and unit that its numbers alone suggested."""
         return replace(
@@ -120,8 +126,19 @@ def guess_columns(
     guesses = [_by_name(column_facts(column), prefix) for column in table.columns]
     guesses = _by_numbers(guesses, [table.path.name, table.path.stem, *files])
     guesses = _with_steps_as_rates(guesses)
+    if are_messages(table.names):
+        guesses = [_in_message(guess) for guess in guesses]
     guesses = [_continued(_with_unit(guess)) for guess in guesses]
     return [g.corrected(units[g.name]) if g.name in units else g for g in guesses]
+
+
+def _in_message(guess: ColumnGuess) -> ColumnGuess:
+    """The guess with the unit that its quantity has in a message, if its name states the quantity and no unit; whole
+    numbers are counts of a converter.
+    """
+    counts = guess.facts.whole and guess.quantity in (q.DISPLACEMENT, q.ANGLE, q.FORCE)
+    unit = "" if guess.unit or guess.unit_reason or guess.by_numbers or counts else si_unit(guess.quantity)
+    return replace(guess, unit=unit, unit_reason=REASON, unit_confidence=LIKELY) if unit else guess
 
 
 def _continued(guess: ColumnGuess) -> ColumnGuess:

@@ -10,15 +10,15 @@ from smarig.exchange import dimension
 from smarig.identification import RunVerification, opposite_senses
 from smarig.measurement import first_branch_differs, reversals
 from smarig.record import FindingKind, Run
-from smarig.replay import recorded_conditions
+from smarig.replay import same_condition
 from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import LOAD, DataSplit
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.input_turns import wide_turns
+from smarig.study.runs_by_condition import differing, numeric_conditions
 
 _MASKED: tuple[FindingKind, ...] = ("disagreeing sensors", "impossible readings")
 _MENDED: tuple[FindingKind, ...] = (*_MASKED, "restarted clock", "other starting state")
-_SAME_SHARE = 0.05  # conditions that differ less count as equal
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
 _LOADS_NEEDED = 3
@@ -103,7 +103,9 @@ def _conditions(split: DataSplit) -> Iterator[str]:
     fitted, held = (_by_condition(runs) for runs in (split.train, split.held_out))
     for name, values in held.items():
         known = fitted.get(name, {})
-        new = [v for v in values if known and not any(abs(v - k) <= _SAME_SHARE * abs(k) for k in known)]
+        new = [
+            v for v, unit in values.items() if known and not any(same_condition(v, k, unit) for k in known)
+        ]
         if not new:
             continue
         unit = spaced(next(iter(values.values())))
@@ -126,14 +128,7 @@ def _conditions(split: DataSplit) -> Iterator[str]:
 
 def _by_condition(runs: Sequence[Run]) -> dict[str, dict[float, str]]:
     """The values of numeric conditions with their units, by name, of conditions that all runs state."""
-    each = [
-        {
-            k: (float(c.value), c.unit)
-            for k, c in recorded_conditions(run).items()
-            if not isinstance(c.value, str)
-        }
-        for run in runs
-    ]
+    each = [numeric_conditions(run) for run in runs]
     names = set.intersection(*(set(e) for e in each)) if each else set()
     return {name: {e[name][0]: e[name][1] for e in each} for name in sorted(names)}
 
@@ -187,10 +182,10 @@ def _would_go_back(best: CandidateModel) -> str:
 
 def differing_conditions(runs: Sequence[Run]) -> tuple[str, ...]:
     """The conditions in which runs differ, with their values: "load (0.05, 0.1 kN)"."""
+    every = _by_condition(runs)
     return tuple(
-        f"{name.replace('_', ' ')} ({_listed(list(values))}{spaced(next(iter(values.values())))})"
-        for name, values in _by_condition(runs).items()
-        if max(values) - min(values) > _SAME_SHARE * max(map(abs, values))
+        f"{name.replace('_', ' ')} ({_listed(list(every[name]))}{spaced(next(iter(every[name].values())))})"
+        for name in differing(runs)
     )
 
 
@@ -249,7 +244,7 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool, undetermine
         yield (
             f"The model fits its own data to {100 * share:.2g} % of their range and misses what came {later}: "
             "either the specimen or the set-up changed (training, a shifted zero, another temperature reading), or the "
-            "wire is no Preisach operator and a free density follows only what it has seen. The diagnosis predicts "
+            "specimen is no Preisach operator and a free density follows only what it has seen. The diagnosis predicts "
             "excursions that were left out: if it misses those as well, nothing need have changed."
         )
 

@@ -48,8 +48,8 @@ def direction_sentence(found: Calorimetry) -> str:
         )
     if found.agrees:
         return (
-            f"Exothermic is {found.exothermic}: the file does not say it, but heating to austenite takes up heat and "
-            "cooling gives it off."
+            f"Exothermic is {found.exothermic}: no word of the file says it, but heating to austenite takes up heat "
+            "and cooling gives it off."
         )
     return (
         "The file does not say which direction is exothermic, and the peaks of heating and cooling contradict each "

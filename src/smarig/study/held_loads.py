@@ -15,7 +15,8 @@ _FORC = "forc"
 
 
 def tables_of_loads(table: FoundTable, drive: str | None = None, out: str | None = None) -> list[FoundTable]:
-    """The table, or one for each stretch in which its force, stress or field is held for a cycle of the input or more.
+    """The table, or one for each stretch in which its force, stress, field or temperature is held for a cycle of the
+    input or more.
 
     ``drive`` and ``out`` are columns that the user names.
     """
@@ -23,7 +24,9 @@ def tables_of_loads(table: FoundTable, drive: str | None = None, out: str | None
         return [table]
     guess = guess_table(table, input=drive, output=out)
     target, used = guess.first("input"), (*guess.of_role("input"), *guess.of_role("output"))
-    loads = [c for c in guess.columns if c.quantity in q.LOADS and c not in used and not c.by_numbers]
+    signals = {c.quantity for c in used}
+    loads = [c for c in guess.columns if c.quantity in q.HELD and c not in used and not c.by_numbers]
+    loads = [c for c in loads if c.quantity != q.TEMPERATURE or c.quantity not in signals]
     if target is None or any(holds_still(load) for load in loads):
         return [table]
     for load in loads:

@@ -25,7 +25,7 @@ def joined_blocks(tables: Sequence[FoundTable]) -> list[FoundTable]:
     guesses = [guess_table(table) for table in tables]
     records: list[list[TableGuess]] = [guesses[:1]]
     for before, after in pairwise(guesses):
-        if _goes_on(before, after):
+        if _goes_on(before, after) or _restarts(before, after):
             records[-1].append(after)
         else:
             records.append([after])
@@ -52,6 +52,8 @@ def _divided(table: FoundTable) -> list[FoundTable]:
 
 def _restarts(before: TableGuess, after: TableGuess) -> bool:
     """Whether the clock starts again, but a branch starts where the one before ended."""
+    if _written(before.table) != _written(after.table):
+        return False
     return not _other_load(before, after) and _branch_goes_on(before, after)
 
 

@@ -16,6 +16,7 @@ from smarig.report import (
     to_uncertainty,
 )
 from smarig.report import table as html_table
+from smarig.study.runs_by_condition import conditions_text
 from smarig.study.study_figure import load_of, load_text
 from smarig.study.study_result import StudyResult
 from smarig.transformation import FIGURES, TEMPERATURES, RunFigures
@@ -56,22 +57,19 @@ def temperatures_by_run(
 
 
 def _field_loops(result: StudyResult) -> Iterator[Row]:
-    """Coercive field, bias and remanence; of several loops with their range in place of an interval."""
-    loops = result.field_loops
-    if loops is None:
-        return
-    rows = (
-        ("Coercive field", loops.coercive, loops.field_unit),
-        ("Bias of the field", loops.bias, loops.field_unit),
-    )
-    rows += (
-        ("Remanence", loops.remanence, loops.unit),
-        ("Half the range of the output", loops.saturation, loops.unit),
-    )
-    for name, (mean, low, high), unit in rows:
-        ends = number(low), number(high)
-        several = f"{' to '.join(ends)} in {loops.loops} loops" if ends[0] != ends[1] else ""
-        yield name, _value(mean, unit), several
+    """Coercive field, bias and remanence at each condition; of several loops with their range for an interval."""
+    for loops in result.field_loops:
+        at = conditions_text(loops.conditions)
+        rows = (
+            ("Coercive field", loops.coercive, loops.field_unit),
+            ("Bias of the field", loops.bias, loops.field_unit),
+            ("Remanence", loops.remanence, loops.unit),
+            ("Half the range of the output", loops.saturation, loops.unit),
+        )
+        for name, (mean, low, high), unit in rows:
+            ends = number(low), number(high)
+            several = f"{' to '.join(ends)} in {loops.loops} loops" if ends[0] != ends[1] else ""
+            yield f"{name}, {at}" if at else name, _value(mean, unit), several
 
 
 def _corrected(result: StudyResult) -> str:

@@ -8,7 +8,7 @@ from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess
 from smarig.study.row_period import row_period
 from smarig.study.second_thermometer import AGREE_K
-from smarig.study.stated_conditions import CONDITIONS, stated_conditions
+from smarig.study.stated_conditions import condition_name, may_be_condition, stated_conditions
 from smarig.study.table_guess import TableGuess
 
 _STORED = {"length": "mm", "temperature": "degC", "ratio": "mm/mm"}  # units in which outputs are stored
@@ -143,11 +143,12 @@ def _condition_lines(guess: TableGuess) -> list[str]:
     lines = []
     stated = stated_conditions(guess)
     for c in guess.of_role("condition"):
-        key = CONDITIONS[c.quantity]
+        key = condition_name(c)
         stated.pop(key, None)
-        if key == "load" and dimension(c.unit) != "force":
+        if not may_be_condition(c):
             continue
-        lines.append(f"{key} = {{ column = {_s(c.name)}, unit = {_s(c.unit)} }}{_why(guess, c)}")
+        name = key if key.isascii() else _s(key)
+        lines.append(f"{name} = {{ column = {_s(c.name)}, unit = {_s(c.unit or '1')} }}{_why(guess, c)}")
     lines += [
         f"{key} = {{ value = {s.value!r}, unit = {_s(s.unit)} }}   # {s.source}".replace("\n", " ")
         for key, s in stated.items()

@@ -23,7 +23,7 @@ from smarig.study.physical_roles import RoleVote, role_vote
 
 _LIKE_TEMPERATURE = 1.5  # votes: more than one fact of the loop, less than both
 _SURE = 1.0  # votes
-_NO_NAMES = "the names of the columns say nothing"
+_NO_NAMES = "no name of a column says which is the input"
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
     if not rivals:
         return found
     names = ", ".join(f"{shown(c.name)}" for c in (found.out, *rivals))
-    return replace(found, rivals=f"the names of the columns say nothing; the output is one of {names}")
+    return replace(found, rivals=f"no name of a column says which is the output; it is one of {names}")
 
 
 def _is_multiple(c: ColumnGuess, drive: ColumnGuess) -> bool:

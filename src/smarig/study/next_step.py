@@ -6,11 +6,14 @@ from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis, variable_exp
 from smarig.identification import ErrorLevel
 from smarig.measurement import measurement_effect_types
 from smarig.plant import effect_types
+from smarig.study.data_split import LOAD
+from smarig.study.runs_by_condition import differing
 
 if TYPE_CHECKING:
     from smarig.study.study_result import StudyResult
 
 _USE = "Use model.json with smarig simulate, verify or track"
+_WAY_BACK = "Record the way back, too: without it the data hold no loop."
 _INNER = "Record first-order reversal curves: inner loops were not tested."
 
 
@@ -18,14 +21,25 @@ def next_step(result: "StudyResult") -> str:
     """A sentence; "" where the others have said it: for curves, calorimetry, and missing knowledge."""
     if result.evaluation is None or result.function is not None or result.undetermined is not None:
         return ""
+    if result.goes_one_way:
+        return _WAY_BACK
     d, step = result.diagnosis, ""
     if d is not None and d.verdict.word in ("named", "ambiguous"):
         step = _of_causes(d)
+    elif result.verdict != ErrorLevel.GOOD and (names := _pooled(result)):
+        words = " and ".join(name.replace("_", " ") for name in names)
+        step = f"Study the runs of each {words} by themselves: one model does not know it."
     elif d is not None and d.verdict.word == "unknown" and d.verdict.depends_on:
         step = variable_experiment(d.verdict.depends_on)
     if step or result.verdict != ErrorLevel.GOOD:
         return step or _of_unexplained(result)
     return f"{_USE}." if result.inner_loops == "fitted" else _INNER
+
+
+def _pooled(result: "StudyResult") -> list[str]:
+    """The conditions in which the runs of one model differ; none for a stress, which models can depend on."""
+    names = differing([table.run for table in result.tables])
+    return [] if LOAD in names else names
 
 
 def _of_causes(d: CommandedDiagnosis | MeasuredDiagnosis) -> str:

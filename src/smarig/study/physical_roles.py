@@ -48,7 +48,7 @@ def role_vote(first: Array, second: Array) -> RoleVote:
     if min(forward, -backward) >= _LAGS or min(-forward, backward) >= _LAGS:
         score += 1 if forward > 0 else -1
         reasons.append("the other column lags behind it")
-    difference = _evenness(x) - _evenness(y)
+    difference = evenness(x) - evenness(y)
     if abs(difference) >= _EVENER:
         score += 1 if difference > 0 else -1
         reasons.append("it is swept more evenly")
@@ -69,6 +69,11 @@ def leads(first: Array, second: Array) -> bool:
     area = np.sign(x @ y) * float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) / 2
     path = float(np.abs(np.diff(x[wide_turns(x)])).sum()) / 2
     return bool(area > _NARROW * path * np.ptp(y))
+
+
+def swept_more_evenly(first: Array, second: Array) -> bool:
+    """Whether the first of two columns (n,) is swept more evenly than the second, as what was ramped is."""
+    return evenness(first) - evenness(second) >= _EVENER
 
 
 def _agreement(u: Array, y: Array) -> float:
@@ -102,8 +107,11 @@ def _sorted(u: Array, y: Array) -> tuple[Array, Array]:
     return u[order], y[order]
 
 
-def _evenness(x: Array) -> float:
-    """The entropy of a histogram over that of a uniform one."""
+def evenness(x: Array) -> float:
+    """How evenly a column (n,) is swept: the entropy of its histogram over that of a uniform one; 0 for one value."""
+    x = x[np.isfinite(x)]
+    if not x.size or not np.ptp(x):
+        return 0.0
     counts = np.histogram(x, _BINS)[0]
     share = counts[counts > 0] / counts.sum()
     return float(-np.sum(share * np.log(share)) / np.log(_BINS))

@@ -19,6 +19,7 @@ POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 HEAT_FLOW = "heat flow"
 CHARGE = "charge"
 LOADS = (STRESS, FORCE, FIELD)  # under which a wire is cycled, if they are held
+HELD = (*LOADS, TEMPERATURE)  # conditions of a run, if they are held in it
 
 _OF_LENGTHS = r"(\bd|\bdelta|δ|∆) ?l ?/ ?l"  # ΔL/L0
 
@@ -129,10 +130,12 @@ USUAL_UNITS = {  # by quantity, the most usual first
     TIME: ("s", "ms", "min", "h"),
     TEMPERATURE: ("degC", "K", "degF"),
     STRAIN: ("%", "mm/mm", "1e-3", "ppm"),
-    DISPLACEMENT: ("mm", "um", "%", "V"),  # a column without a unit may be the voltage of a sensor
+    DISPLACEMENT: ("mm", "m", "um", "%", "V"),  # a column without a unit may be the voltage of a sensor
     ANGLE: ("deg", "rad"),
     FORCE: ("N", "mN", "kN"),
     STRESS: ("MPa", "Pa", "GPa"),
+    PRESSURE: ("Pa", "kPa", "bar", "MPa"),
+    MODULUS: ("Pa", "MPa", "GPa"),
     CURRENT: ("A", "mA"),
     VOLTAGE: ("V", "mV"),
     RESISTANCE: ("ohm", "mohm", "kohm"),

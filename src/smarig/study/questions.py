@@ -11,6 +11,8 @@ from smarig.report import display_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess
 from smarig.study.held_quantities import holds_still, is_noise
+from smarig.study.physical_roles import evenness, role_vote
+from smarig.study.signal_columns import SENSOR_SIGNALS
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess
 from smarig.study.typed_names import listed_names, typed_name
@@ -120,21 +122,38 @@ def other_columns(guess: TableGuess, command: StudyCommand) -> str:
 
 
 def _roles(guess: TableGuess) -> Iterable[dict[str, str]]:
-    """Columns that could be input and output, those of the guess first."""
+    """Columns that could be input and output, those of the guess first; pairs that their loop
+    supports come first where either may be the other, and of them the input that is swept most evenly, as a ramp is.
+    """
     drive, out = guess.first("input"), guess.first("output")
     able = sorted(_able(guess), key=lambda c: c not in (drive, out))
-    inputs = able if "input" in guess.doubts or drive is None else [drive]
+    open_ = (
+        out is None and drive is not None and drive.quantity in SENSOR_SIGNALS
+    )  # it may be the output itself
+    inputs = able if open_ or "input" in guess.doubts or drive is None else [drive]
     outputs = able if "output" in guess.doubts or out is None else [out]
-    if drive is not None and drive.is_named:  # the question is which column of this quantity
+    if drive is not None and drive.is_named and not open_:  # the question is which column of this quantity
         inputs = [c for c in inputs if c.quantity == drive.quantity]
     if out is not None and out.is_named and not guess.by_loop:
         outputs = [c for c in outputs if c.quantity == out.quantity]
-    return ({"input": a.name, "output": b.name} for a in inputs for b in outputs if a.name != b.name)
+    pairs = [(a, b) for a in inputs for b in outputs if a.name != b.name]
+    if open_ or drive is None:
+        pairs.sort(key=_doubt)
+    return ({"input": a.name, "output": b.name} for a, b in pairs)
+
+
+def _doubt(pair: tuple[ColumnGuess, ColumnGuess]) -> tuple[bool, float, int]:
+    """What speaks against two columns as input and output: their loop, an input not swept evenly (to a hundredth,
+    which noise may change), and how little their loop says.
+    """
+    drive, out = (c.facts.values for c in pair)
+    score = role_vote(drive, out).score
+    return score <= 0, -round(evenness(drive), 2), -score
 
 
 def _able(guess: TableGuess) -> Sequence[ColumnGuess]:
     able = [c for c in guess.columns if c.facts.kind == "number" and c.facts.levels > 1]
-    able = [c for c in able if c.quantity not in q.NO_SIGNALS and not holds_still(c)]
+    able = [c for c in able if c.quantity not in q.NO_SIGNALS and not c.is_flag and not holds_still(c)]
     follow = [c for c in able if not is_noise(c)]
     return follow if len(follow) > 1 else able
 

@@ -19,23 +19,26 @@ _JUMPS = 3.0  # times the largest step of another thermometer: such a reading ju
 class SecondThermometer:
     """A thermometer beside that of the input. ``heating`` and ``cooling`` (K) are its usual (median) readings less
     those of the input, NaN for a direction that does not occur; ``apart`` (n,) are the rows that differ by more than
-    ``AGREE_K``, ``unusual`` (n,) those among them that differ as much from what is usual in their direction.
+    ``AGREE_K``, ``unusual`` (n,) those among them that differ as much from what is usual in their direction, and
+    ``sudden`` (n,) those among ``apart`` whose difference came or went at once.
     """
 
     heating: float
     cooling: float
     apart: NDArray[np.bool_]
     unusual: NDArray[np.bool_]
+    sudden: NDArray[np.bool_]
 
     @property
     def is_witness(self) -> bool:
         """Whether it usually agrees in either direction, and most of the rows apart are no part of its usual
-        difference: a fault comes in a few rows, whichever way the ramp goes; an oven leads or lags on each ramp.
+        difference: a fault comes at once and in a few rows, whichever way the ramp goes; an oven leads or lags on each
+        ramp, and at another place the difference grows through all values between.
         """
         usual = np.array([self.heating, self.cooling])
-        rows, apart, unusual = self.apart.size, int(self.apart.sum()), int(self.unusual.sum())
+        rows, apart, faulty = self.apart.size, int(self.apart.sum()), int((self.unusual & self.sudden).sum())
         agrees = 2 * apart < rows and not (np.abs(usual) >= AGREE_K).any()  # NaN counts as agreeing
-        return agrees and 2 * unusual >= apart
+        return agrees and 2 * faulty >= apart
 
     @property
     def is_at_one_place(self) -> bool:
@@ -72,7 +75,8 @@ def second_thermometer(c: ColumnGuess, drive: ColumnGuess) -> SecondThermometer 
     usual = np.where(rises, _median(differs[rises]), _median(differs[~rises]))
     apart = np.abs(differs) > AGREE_K
     unusual = apart & (np.abs(differs - usual) > AGREE_K)
-    return SecondThermometer(_median(differs[rises]), _median(differs[~rises]), apart, unusual)
+    usually = _median(differs[rises]), _median(differs[~rises])
+    return SecondThermometer(*usually, apart, unusual, _sudden(differs, apart))
 
 
 def witness_reason(c: ColumnGuess, drive: ColumnGuess) -> str:
@@ -83,6 +87,16 @@ def witness_reason(c: ColumnGuess, drive: ColumnGuess) -> str:
         return words
     jumps = f"{shown(drive.name)} jumps by up to {first:.3g} from row to row, this one by {own:.3g}"
     return f"{words}; {jumps}: try it as the input"
+
+
+def _sudden(differs: Array, apart: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The rows apart of each group in a row whose difference began or ended with a step of more than ``AGREE_K``."""
+    found = np.zeros(apart.size, dtype=bool)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], apart, [False]]).astype(int)))
+    steps = np.abs(np.diff(differs, prepend=differs[:1], append=differs[-1:]))
+    for a, b in edges.reshape(-1, 2):
+        found[a:b] = max(steps[a], steps[b]) > AGREE_K
+    return found
 
 
 def _rises(u: Array) -> NDArray[np.bool_]:

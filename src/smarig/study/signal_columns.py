@@ -50,7 +50,7 @@ _MECHANICAL = (  # what was measured at the specimen, before the current or volt
     q.FORCE,
     q.PRESSURE,
 )
-_SENSOR_SIGNALS = (q.VOLTAGE, q.CURRENT)
+SENSOR_SIGNALS = (q.VOLTAGE, q.CURRENT)
 
 
 def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str | None) -> ColumnGuess | None:
@@ -105,8 +105,9 @@ def input_column(
     able = [c for c in left if c is not out and not holds_still(c)]
     able = [c for c in able if out is None or not is_signal_of(c, out)]
     order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
-    able = [c for c in able if not _is_held_in_turn(c, [other for other in able if other.quantity in order])]
-    swept = [c for c in able if not is_noise(c) and (not c.facts.constant or c.quantity == q.TEMPERATURE)]
+    others = [c for c in able if c.quantity in order and _is_swept(c)]
+    able = [c for c in able if not _is_held_in_turn(c, others)]
+    swept = [c for c in able if _is_swept(c)]
     return _input_among(swept, order) or _input_among(able, order)
 
 
@@ -125,7 +126,12 @@ def _input_among(able: Sequence[ColumnGuess], order: Sequence[str]) -> ColumnGue
 
 def _is_held_in_turn(c: ColumnGuess, others: Sequence[ColumnGuess]) -> bool:
     """Whether a load was held at several levels, at each of which one of the others was swept there and back."""
-    return c.quantity in q.LOADS and any(held_levels(c, other) for other in others if other is not c)
+    return c.quantity in q.HELD and any(held_levels(c, other) for other in others if other is not c)
+
+
+def _is_swept(c: ColumnGuess) -> bool:
+    """Whether a column moves by more than noise or a small part of its value."""
+    return not is_noise(c) and (not c.facts.constant or c.quantity == q.TEMPERATURE)
 
 
 def _is_stated(c: ColumnGuess) -> bool:
@@ -144,7 +150,7 @@ def is_signal_of(c: ColumnGuess, out: ColumnGuess) -> bool:
     """
     known = np.isfinite(c.facts.values) & np.isfinite(out.facts.values)
     x, y = out.facts.values[known], c.facts.values[known]
-    if c.quantity not in _SENSOR_SIGNALS or is_noise(c) or x.size < 3 or not np.var(x):
+    if c.quantity not in SENSOR_SIGNALS or is_noise(c) or x.size < 3 or not np.var(x):
         return False  # of readings in random order, the rest scatters as well
     slope = float(np.cov(x, y)[0, 1] / np.var(x, ddof=1))
     rest = y - y.mean() - slope * (x - x.mean())

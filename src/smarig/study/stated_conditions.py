@@ -5,13 +5,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from smarig.core import shown
-from smarig.exchange import FoundColumn, dimension, known_unit
+from smarig.exchange import CONDITION_UNITS, FoundColumn, dimension, known_unit
 from smarig.study import quantity_words as q
-from smarig.study.column_guess import VALUE_IN_NAME
+from smarig.study.column_guess import VALUE_IN_NAME, ColumnGuess
 from smarig.study.hung_weights import hung_weight
 from smarig.study.table_guess import TableGuess
 
-CONDITIONS = {q.STRESS: "stress", q.FORCE: "load", q.FIELD: "magnetic_field"}
+CONDITIONS = {
+    q.STRESS: "stress",
+    q.FORCE: "load",
+    q.FIELD: "magnetic_field",
+}
 _HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
 _SCALARS = CONDITIONS | {q.AMBIENT: "room_temperature"}
 _NO_WEIGHT = (q.FORCE, q.STRESS, q.HEAT_FLOW)  # quantities of columns beside which a mass is no load
@@ -23,6 +27,19 @@ _OF_SENSOR = re.compile(r"[\w.-]+/\S+|[A-Za-z]+\d\S*")  # U9C/500N, WA20mm
 _PLACES = ("group", "sheet")  # keys of a layout that name a part of the file
 _PARTS_OF_TITLE = re.compile(r"\s+[-–|]\s+|[;|(),]\s+|[;|()]")
 _STATEMENT = re.compile(r"(.*?)[\s:=]*(-?\d+(?:[.,]\d+)?)\s*([^\s\d]*)")
+
+
+def condition_name(c: ColumnGuess) -> str:
+    """The name under which a run keeps a condition that a column holds: of its quantity, else of the column."""
+    return (
+        CONDITIONS.get(c.quantity) or re.sub(r"\W+", "_", c.quantity or c.label or c.name).strip("_").lower()
+    )
+
+
+def may_be_condition(c: ColumnGuess) -> bool:
+    """Whether a column is in a unit of the condition that it would be: runs are compared by some in one unit."""
+    expected = CONDITION_UNITS.get(condition_name(c))
+    return expected is None or dimension(c.unit) == dimension(expected)
 
 
 class Stated(NamedTuple):

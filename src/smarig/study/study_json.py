@@ -36,7 +36,7 @@ def study_json(result: "StudyResult") -> dict[str, Any]:
         "unpredicted_share": j and result.unpredicted,
         "undetermined": result.undetermined and asdict(result.undetermined),
         "transformation": result.transformation and result.transformation.to_json(),
-        "field_loops": result.field_loops and result.field_loops.to_json(),
+        "field_loops": [loops.to_json() for loops in result.field_loops],
         "calorimetry": result.calorimetry and result.calorimetry.to_json(),
         "function_of_input": result.function and result.function.to_json(),
         "models": j and {c.name: {"train_rms": c.train_rms, "held_out_rms": c.rms} for c in j.candidates},

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import capitalised, shown
+from smarig.core import capitalised
 from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis
 from smarig.identification import (
     BETTER,
@@ -31,6 +31,7 @@ from smarig.study.candidate_models import (
     noise_of_neighbours,
     noise_of_repeats,
 )
+from smarig.study.column_hints import NO_TIME, column_hints
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import (
     differing_conditions,
@@ -68,7 +69,6 @@ from smarig.study.understanding import Understanding
 from smarig.study.undetermined_states import UndeterminedStates, inside, new_turns, turns_of
 from smarig.transformation import Calorimetry
 
-_EXCHANGED = "If input and output are exchanged, name them with --input and --output."
 _LESS = 0.97  # of the error without a cause: less of a gain is hardly one
 GOOD, FAIR, POOR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR), str(ErrorLevel.POOR)
 
@@ -247,13 +247,13 @@ class StudyResult:
             worst_branch=self._share(self.branches[0].rms) if self.branches else 0.0,
             worst_place=self._share(place.worst) if place else 0.0,
             unpredicted=self.unpredicted,
-            doubtful=self._one_way or self._left_out_is_worse,
+            doubtful=self.goes_one_way or self._left_out_is_worse,
         )
         return str(self._error_verdict(parts).level)
 
     def _error_verdict(self, parts: ErrorParts | None = None) -> ErrorVerdict:
         curves = AgainstCurves(self.gain, self._as_a_branch_pair)
-        if self._one_way:  # a curve is all that one branch can show
+        if self.goes_one_way:  # a curve is all that one branch can show
             curves = AgainstCurves(max(self.gain, 1.0), full_loops=True)
         if self.evaluation is None:
             return error_verdict(np.nan, self.noise, self.nrmse, curves=curves, parts=parts)
@@ -262,7 +262,8 @@ class StudyResult:
         return error_verdict(found.rms, self.noise, self.nrmse, *unsteady[:1], curves=curves, parts=parts)
 
     @cached_property
-    def _one_way(self) -> bool:
+    def goes_one_way(self) -> bool:
+        """Whether the input of all data goes one way only."""
         return self.evaluation is not None and one_way(self.evaluation.best)
 
     def _share(self, error: float) -> float:
@@ -310,8 +311,8 @@ class StudyResult:
         return f" {proportional_sentence(slope, self.unit, self.tables[0].run.input_unit)}"
 
     @cached_property
-    def field_loops(self) -> FieldLoops | None:
-        """The coercive field and remanence of loops over a field; None for other data."""
+    def field_loops(self) -> tuple[FieldLoops, ...]:
+        """The coercive field and remanence of loops over a field, for each condition of the runs."""
         return field_loops([table.run for table in self.tables])
 
     def masked(self) -> list[str]:
@@ -320,23 +321,11 @@ class StudyResult:
 
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
-        found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
-        found += [self.assumed] if self.assumed else []
-        found += self._elsewhere()[:1]  # the others are in the table of the columns
-        found += mended(self.tables)
+        found = [*column_hints(self.understood, of_mapping=self.mapping is not None), *mended(self.tables)]
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
-            found.append(
-                "No time is recorded: a lag is given in rows, creep and rates cannot be tested. If the rows "
-                "are equally spaced, give their period: period_s under [time] in mapping.toml, with --map."
-            )
-        return found
-
-    def _elsewhere(self) -> list[str]:
-        """How thermometers differ that are no witnesses of the input."""
-        lead = self.understood.guesses[0]
-        others = [c.name for c in lead.of_role("elsewhere") if c.name not in lead.branches.values()]
-        return [f"{shown(name)} is not used: {lead.roles[name].reason}." for name in others]
+            found.append(NO_TIME)
+        return [self.assumed, *found] if self.assumed else found
 
     @property
     def _is_fitted(self) -> bool:
@@ -362,7 +351,7 @@ class StudyResult:
             return f"{level}, for want of fitted data"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
-        if level is ErrorLevel.FAIR and self._one_way:
+        if level is ErrorLevel.FAIR and self.goes_one_way:
             return "no loop to judge it by"
         if level is ErrorLevel.POOR and self._level_on_average is not level and not self.unpredicted > 0.5:
             return f"{LEVEL_WORDS[level]} on {branch_name(self.branches[0], temperature=self._hot)}"
@@ -384,7 +373,7 @@ class StudyResult:
         return found
 
     def _simple_sentence(self) -> str:
-        if self.evaluation is None or not self.evaluation.simple or self._one_way:
+        if self.evaluation is None or not self.evaluation.simple or self.goes_one_way:
             return ""
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
         return simple_curve_sentence(

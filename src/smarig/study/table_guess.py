@@ -30,8 +30,9 @@ from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import input_column, is_grid, output_column
 from smarig.study.strain_columns import other_strains
-from smarig.study.thermometer_places import distance
+from smarig.study.thermometer_places import IN_INSTRUMENT, distance
 from smarig.study.typed_names import typed_name
+from smarig.study.unused_columns import reason_unused
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
 _LEAST_TURN = 0.3  # correlation of output and input above which the output clearly falls with the input
@@ -142,7 +143,7 @@ def guess_table(
     left = [
         c
         for c in candidates
-        if c is not time and (c.quantity not in q.NO_SIGNALS or c.name in (input, output))
+        if c is not time and (not (c.quantity in q.NO_SIGNALS or c.is_flag) or c.name in (input, output))
     ]
     out = output_column(left, output, input)
     drive = input_column(left, out, input)
@@ -202,9 +203,15 @@ def guess_table(
 
 
 def _as_used(c: ColumnGuess, guess: TableGuess) -> ColumnGuess:
-    """A column, without a unit that nobody states if it is not used."""
-    unused = guess.shown_role(c.name).role == "ignored"
-    return c.with_stated_unit() if unused else c
+    """A column, without the unit that nobody states and the motion that only its numbers suggest if it is not used."""
+    if guess.shown_role(c.name).role != "ignored":
+        return c
+    by_numbers = c.by_numbers and c.quantity in (q.DISPLACEMENT, q.STRAIN)
+    return (
+        replace(c, quantity="", quantity_confidence=0.0).with_stated_unit()
+        if by_numbers
+        else c.with_stated_unit()
+    )
 
 
 def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
@@ -296,7 +303,7 @@ def _role(role: str, guess: ColumnGuess, named: str | None) -> Role:
     if named is not None:
         return Role(role, "given by you", 1.0)
     if not guess.quantity:
-        return Role(role, "the only columns that move; their names say nothing", 0.3)
+        return Role(role, "the only columns that move; no name says more", 0.3)
     kind = "drives the hysteresis" if role == "input" else "is what moves"
     kind = "is a rate" if guess.quantity == q.HEAT_FLOW else kind
     return Role(role, f"{guess.quantity}, which {kind}: {guess.quantity_reason}", guess.quantity_confidence)
@@ -326,18 +333,24 @@ def _further_roles(
             drive is not None and (second := second_thermometer(c, drive)) is not None and not holds_still(c)
         ):
             roles[c.name] = _second_role(second, c, drive)
-        elif _is_held_load(c) and _new(c, columns, roles):
+        elif _is_held(c, drive, out) and _new(c, columns, roles):
             roles[c.name] = Role(
-                "condition", f"{c.quantity}, nearly constant: {c.quantity_reason}", c.quantity_confidence
+                "condition", f"{c.quantity}, which was held: {c.quantity_reason}", c.quantity_confidence
             )
         else:
-            roles[c.name] = Role("ignored", _unused(c, out), LIKELY)
+            roles[c.name] = Role("ignored", reason_unused(c, out), LIKELY)
 
 
-def _is_held_load(c: ColumnGuess) -> bool:
-    """Whether a column is a load that was held; in a unit that is not known, nobody knows what it is."""
+def _is_held(c: ColumnGuess, drive: ColumnGuess | None, out: ColumnGuess | None) -> bool:
+    """Whether a column is a load or a temperature that was held; in a unit that is not known, nobody knows what it is.
+
+    A second thermometer beside a temperature that drives the loop is none.
+    """
     sure = c.quantity_confidence >= WEAK and c.unit_confidence >= WEAK
-    return sure and c.quantity in q.LOADS and holds_still(c)
+    if c.quantity == q.TEMPERATURE:
+        signals = [g.quantity for g in (drive, out) if g is not None]
+        sure = sure and q.TEMPERATURE not in signals and not c.commanded and len(signals) > 1
+    return sure and c.quantity in q.HELD and holds_still(c)
 
 
 def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role]) -> bool:
@@ -345,9 +358,9 @@ def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role])
     known = [g for g in columns if g.name in roles and roles[g.name].role == "condition"]
     if any(g.quantity == c.quantity for g in known):
         return False
-    if c.quantity == q.FIELD:
+    if c.quantity in (q.FIELD, q.TEMPERATURE):
         return True
-    stress = next((g for g in columns if g.quantity == q.STRESS and _is_held_load(g)), None)
+    stress = next((g for g in columns if g.quantity == q.STRESS and _is_held(g, None, None)), None)
     return c.quantity == q.STRESS or stress is None
 
 
@@ -363,7 +376,7 @@ def _with_current(
 
 def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) -> Role:
     """The role of a second thermometer that moves: to compare both, or none at another place."""
-    if second.is_witness:
+    if second.is_witness and distance(c) != IN_INSTRUMENT:
         return Role("compare", witness_reason(c, drive), LIKELY)
     return Role("elsewhere", second.difference(drive), LIKELY)
 
@@ -391,23 +404,6 @@ def _further_strains(out: ColumnGuess, left: Sequence[ColumnGuess]) -> list[Colu
     return other_strains(out, [c for c in strains if not holds_still(c) and not is_noise(c)])
 
 
-def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
-    if c.quantity in q.NO_SIGNALS[1:]:
-        return f"{c.quantity}: {c.quantity_reason}"
-    if c.quantity == q.TIME and c.facts.levels > 1:
-        return "another time" if c.facts.rising else "a time that runs backwards, so it is no clock"
-    known = "" if c.by_numbers else c.quantity
-    if out is not None and known == out.quantity != "" and not is_noise(c):
-        return f"another {c.quantity} than the output {shown(out.name)}"
-    if c.commanded and c.quantity == q.TEMPERATURE:
-        return "a set-point: it was not measured"
-    if c.facts.constant:
-        return f"nearly constant at {np.mean(c.facts.known):.4g}"
-    if is_noise(c):
-        return "it differs from row to row, as noise does"
-    return f"{known}, not needed" if known else "its meaning is not clear, and it is not needed"
-
-
 def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, str]:
     """The factor of the output, and a sentence on its sign."""
     if drive is None or out is None or out.quantity == q.HEAT_FLOW:
@@ -416,9 +412,16 @@ def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, st
     known = np.isfinite(u) & np.isfinite(y)
     if known.sum() < 3 or np.ptp(u[known]) == 0 or np.ptp(y[known]) == 0:
         return 1.0, ""
-    falls = correlation(u[known], y[known]) < -_LEAST_TURN
+    along = correlation(u[known], y[known])
+    falls = along < -_LEAST_TURN
     if falls and out.quantity == q.FORCE and drive.quantity == q.TEMPERATURE:
         return -1.0, "turned: the force of a clamped wire rises with temperature, but the reading falls"
     if falls:
-        return 1.0, "as recorded: the output falls while the input rises, as strain does"
+        as_strain = out.quantity in (q.STRAIN, q.DISPLACEMENT) and drive.quantity == q.TEMPERATURE
+        return (
+            1.0,
+            f"as recorded: the output falls while the input rises{', as strain does' if as_strain else ''}",
+        )
+    if along < _LEAST_TURN:
+        return 1.0, "as recorded: the output rises on a part of the input, and falls on another"
     return 1.0, "as recorded: the output rises with the input"

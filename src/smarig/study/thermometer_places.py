@@ -4,8 +4,10 @@ import re
 
 from smarig.study.column_guess import ColumnGuess
 
+IN_INSTRUMENT = 3
 _SPECIMEN = re.compile(
-    r"sample|specimen|probe|wire|draht|echantillon|muestra|campione|workpiece|proben|\bpv\b|^t ?s\b",  # ISO 11357: T_s
+    r"sample|specimen|probe|wire|draht|echantillon|muestra|campione|workpiece|proben|\bpv\b|^t ?s\b|"  # ISO 11357: T_s
+    r"\bsma\b|nitinol",
     re.IGNORECASE,
 )
 _SURROUNDINGS = re.compile(
@@ -13,15 +15,22 @@ _SURROUNDINGS = re.compile(
     r"cryostat|kryostat|system|block",
     re.IGNORECASE,
 )
+_INSTRUMENT = re.compile(
+    r"\bp ?temp|panel|board|platine|intern|(reference|ref|cold) ?junction|vergleichsstelle|\bcjc?\b|logger|enclosure|"
+    r"(device|chip|cpu|instrument|ger(a|ä)te) ?temp",
+    re.IGNORECASE,
+)
 
 
 def distance(c: ColumnGuess) -> int:
-    """How far a temperature is from the specimen: 0 at it, 1 where no name says so, 2 in what surrounds it, 3 for a
-    set-point, which nothing measured.
+    """How far a temperature is from the specimen: 0 at it, 1 where no name says so, 2 in what surrounds it, 3 in the
+    instrument that reads the others, 4 for a set-point, which nothing measured.
     """
     words = re.sub(r"[_\W]+", " ", f"{c.label} {c.facts.comment}")
     if c.commanded:
-        return 3
+        return 4
     if _SPECIMEN.search(words):
         return 0
+    if _INSTRUMENT.search(words):
+        return IN_INSTRUMENT
     return 2 if _SURROUNDINGS.search(words) else 1

@@ -8,13 +8,15 @@ from typing import Any
 
 from smarig.core import DataError, UsageError, shown
 from smarig.exchange import FoundTable, find_tables
-from smarig.study.column_guess import ColumnGuess, is_rate_of_output
+from smarig.study.column_guess import LIKELY, ColumnGuess, is_rate_of_output
 from smarig.study.column_pairs import tables_of_pairs
 from smarig.study.held_loads import tables_of_loads
 from smarig.study.joined_blocks import joined_blocks
+from smarig.study.joined_channels import joined_channels
 from smarig.study.questions import StudyCommand, answering, question
+from smarig.study.run_conditions import with_run_conditions
 from smarig.study.study_options import StudyOptions
-from smarig.study.table_guess import TableGuess, guess_table
+from smarig.study.table_guess import Role, TableGuess, guess_table
 from smarig.study.typed_names import listed_names, own_name, typed_name
 
 Ask = Callable[[str, Sequence[str]], str]  # question and choices → answer
@@ -23,11 +25,15 @@ _FORC = "forc"
 
 @dataclass(frozen=True, eq=False)
 class Understanding:
-    """The tables of a study with their meaning; ``left_out`` are tables and files not used, each with a reason."""
+    """The tables of a study with their meaning; ``left_out`` are tables and files not used, each with a reason.
+
+    ``joined``: a sentence on files that are channels of one record, "" for none.
+    """
 
     guesses: tuple[TableGuess, ...]
     left_out: dict[str, str]
     questions: int
+    joined: str = ""
 
     @property
     def forc(self) -> bool:
@@ -45,6 +51,8 @@ def understand(
     answers and the options do not accept it; DataError if no file holds a table.
     """
     tables, left_out = _tables(files)
+    channels = joined_channels(tables, out if options.mapping is None else None)
+    tables = channels.tables
     tables = tables if options.mapping else _by_loads(_by_pairs(tables, options), options)
     tables, unlike = _of_one_layout(tables)
     left_out |= unlike
@@ -56,7 +64,8 @@ def understand(
         max(tables, key=len), input=options.input, output=options.output, units=options.units, files=names
     )
     lead, options, questions = _answered(lead, StudyCommand(tuple(files), options, out), ask, names)
-    return Understanding(tuple(_guesses(tables, lead, options, names)), left_out, questions)
+    guesses = _guesses(tables, lead, options, names)
+    return Understanding(tuple(guesses), left_out, questions, channels.sentence)
 
 
 def _with_own_names(table: FoundTable, options: StudyOptions) -> StudyOptions:
@@ -240,7 +249,14 @@ def _guesses(
                 by_loop=lead.by_loop,
             )
         )
-    return found
+    return with_run_conditions([_unblamed(g) for g in found] if options.input is not None else found)
+
+
+def _unblamed(guess: TableGuess) -> TableGuess:
+    """The guess in which no other thermometer takes readings from an input that the user named."""
+    other = Role("elsewhere", "you named the input, so no other thermometer takes readings from it", LIKELY)
+    roles = {name: other if role.role == "compare" else role for name, role in guess.roles.items()}
+    return replace(guess, roles=roles)
 
 
 def _with_meaning(lead: TableGuess, columns: Sequence[ColumnGuess]) -> tuple[ColumnGuess, ...]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from smarig.transformation.cycle_figures import TEMPERATURES as TEMPERATURES
     from smarig.transformation.cycle_figures import CycleFigures as CycleFigures
     from smarig.transformation.cycle_figures import Drawn as Drawn
+    from smarig.transformation.decades import DECADE as DECADE
     from smarig.transformation.figures_text import value_text as value_text
     from smarig.transformation.figures_text import why_not as why_not
     from smarig.transformation.headline import HEADLINE as HEADLINE

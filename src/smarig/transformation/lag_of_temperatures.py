@@ -43,9 +43,9 @@ def lag_note(branches: Sequence[FullBranch], lag_s: float | None, unit: str) -> 
     at = f"at {mean[HEATING]:.3g} (heating) and {mean[COOLING]:.3g} (cooling) {unit}/s on average"
     if lag_s is None:
         return (
-            f"The temperature did not settle: it moved {at}. The intervals contain no lag between the wire and its "
+            f"The temperature did not settle: it moved {at}. The intervals contain no lag between the specimen and its "
             f"thermometer; each second by which the thermometer is later lowers A_s and A_f by {mean[HEATING]:.3g} K "
-            f"and raises M_s and M_f by {mean[COOLING]:.3g} K, and each by which the wire is later does the opposite."
+            f"and raises M_s and M_f by {mean[COOLING]:.3g} K, and a later specimen does the opposite."
         )
     return (
         f"The temperature did not settle: it moved {at}. The intervals are widened by ± rate × τ of the heating: "

@@ -21,6 +21,7 @@ from smarig.transformation.cycle_figures import (
     Drawn,
     cycle_figures,
 )
+from smarig.transformation.decades import in_decades
 from smarig.transformation.full_branches import COOLING, HEATING, FullBranch, UnusedBranch, full_branches
 from smarig.transformation.lag_of_temperatures import lag_note, with_lag
 from smarig.transformation.tangent_ranges import JUMP
@@ -109,7 +110,7 @@ class RunFigures:
 
 def run_figures(run: Run) -> RunFigures:
     """The figures of a run. Raises UsageError, with the reason, unless it contains a full loop."""
-    record = temperature_record(run)
+    record = in_decades(temperature_record(run), run.info.output.quantity)
     branches, unused = full_branches(record)
     tangents: dict[int, BranchTangents] = {}
     for k, branch in enumerate(branches):
@@ -126,7 +127,7 @@ def run_figures(run: Run) -> RunFigures:
     _leave_out_small(branches, tangents, unused)
     cycles = _cycles(branches, tangents)
     if not any(c.whole for c in cycles):
-        raise UsageError(_no_loop(run.name, record, cycles, unused))
+        raise UsageError(_no_loop(run, record, cycles, unused))
     averaged = complete_cycles(cycles)
     gaps = _gaps(averaged)
     means, counts = _means(averaged)
@@ -287,7 +288,7 @@ def _gap_notes(gaps: dict[str, tuple[float, float, int]], unit: str) -> Iterator
 
 
 def _no_loop(
-    name: str, record: TemperatureRecord, cycles: Sequence[CycleFigures], unused: Sequence[UnusedBranch]
+    run: Run, record: TemperatureRecord, cycles: Sequence[CycleFigures], unused: Sequence[UnusedBranch]
 ) -> str:
     unit = _shown_unit(record.input_unit)
     used = {d for c in cycles for d in (HEATING, COOLING) if getattr(c, d) is not None}
@@ -295,11 +296,12 @@ def _no_loop(
     full, partial = [u for u in unused if u.cycle], [u for u in unused if not u.cycle]
     widest = sorted(partial, key=lambda branch: -abs(branch.to - branch.from_))[:_MOST_REASONS]
     why = "".join(f" {branch.sentence(unit)}" for branch in (*full, *widest))
+    example = "" if run.meta.get("imported") else ", for example with the protocol constant_force_cycles"
     if more := len(partial) - len(widest):
         why += f" {more} other {'branch covers' if more == 1 else 'branches cover'} less of it."
     return (
-        f"{name} contains no full loop of heating and cooling with ten readings or more on each branch.{have}{why} "
-        "Heat and cool the wire through its whole transformation, for example with the protocol constant_force_cycles."
+        f"{run.name} contains no full loop of heating and cooling with ten readings or more on each branch.{have}{why} "
+        f"Heat and cool the specimen through its whole transformation{example}."
     )
 
 

@@ -53,8 +53,8 @@ def joined_clock(name: str, t_s: Array, line: NDArray[np.int64]) -> tuple[Array,
     places = f"in line {line[back[0]]}" + (f" and {back.size - 1} more times" if back.size > 1 else "")
     text = (
         f"{shown(name)} starts again at {t_s[back[0]]:g} s {places}: the log was resumed. Its parts are joined to one "
-        f"record, in which the wire keeps its state, with a gap of one usual step ({usual:.3g} s); how long the pause "
-        "was is not known."
+        f"record, in which the specimen keeps its state, with a gap of one usual step ({usual:.3g} s); how long the "
+        "pause was is not known."
     )
     return t_s + np.cumsum(later), [ImportFinding(text, "restarted clock")]
 

@@ -9,6 +9,7 @@ from smarig.core import DataError
 from smarig.exchange.layouts.channel_rows import channel_rows
 from smarig.exchange.layouts.clock_pairs import clock_pairs, has_clock_pairs
 from smarig.exchange.layouts.json_document import json_document
+from smarig.exchange.layouts.key_cells import key_cells
 from smarig.exchange.layouts.logged_rows import LoggedRows, logged_rows
 from smarig.exchange.layouts.long_rows import long_rows
 from smarig.exchange.layouts.long_table import is_long
@@ -46,6 +47,7 @@ def sheet_rows(path: Path, rows: Sequence[Sequence[str]]) -> tuple[list[list[str
 def _rewritten(path: Path, found: LoggedRows) -> LoggedRows:
     """Lines with one row for each instant, and plain numbers in their cells."""
     for rewrite in (
+        key_cells,
         partial(clock_pairs, path),
         channel_rows,
         partial(long_rows, path, added=found.added),

@@ -104,6 +104,14 @@ def _found_tables(path: Path, lines: Sequence[str]) -> list[FoundTable]:
     return [replace(found[0], left_out=left_out), *found[1:]]
 
 
+def _name(block: FoundBlock, blocks: Sequence[FoundBlock]) -> str:
+    """The number of a table among those of its columns, as files number them; of other tables than most, its lines."""
+    same = [b for b in blocks if b.names == block.names]
+    rows = {b.names: sum(o.stop - o.first for o in blocks if o.names == b.names) for b in blocks}
+    main = max(rows, key=lambda names: rows[names]) == block.names
+    return f"table {same.index(block) + 1}" if main else _lines_of(block)
+
+
 def _lines_of(block: FoundBlock) -> str:
     return f"lines {block.first + 1} to {block.stop}"
 
@@ -199,11 +207,10 @@ def _table(
     table = without_lost_rows(read_table(path, layout))
     begin = max((b.stop for b in blocks if b.stop <= block.first), default=0)
     before = lines[begin : block.first if block.header is None else block.header]
-    number = blocks.index(block) + 1
     return FoundTable(
         path=path,
         format="csv",
-        name=f"table {number}" if len(blocks) > 1 else "",
+        name=_name(block, blocks) if len(blocks) > 1 else "",
         columns=found_columns(
             path,
             table,
@@ -267,7 +274,7 @@ def _entries(
         ):
             return entries | _at_line(block)  # segments with blank lines between them, up to the end
         if block.own_names:
-            return None if block is not blocks[0] else entries | _at_line(block)
+            return entries | _at_line(block) if block in (blocks[0], blocks[-1]) else None
         start = lines[block.header][:_LONGEST_START]
         number = sum(line.startswith(start) for line in lines[: block.header + 1])
         entries |= {"header_starts": start, "table": number}

@@ -11,12 +11,14 @@ from smarig.report.components.figure import Figure, Panel, Trace, axis, cross, d
 from smarig.report.components.run_description import (
     display_unit,
     loop_axes,
+    output_title,
     run_caption,
     source_label,
 )
 from smarig.report.components.style import COMPARED, COOLING, DASHES, FAINT, GREY, HEATING, INK, SYMBOLS
 from smarig.transformation import (
     CORNERS,
+    DECADE,
     TEMPERATURES,
     BranchTangents,
     CycleFigures,
@@ -36,7 +38,7 @@ def tangent_figure(run: RunFigures) -> Figure:
     cycle = [c for c in run.cycles if c.whole][-1]
     gaps = [gap for branch in (cycle.heating, cycle.cooling) if branch for gap in branch.gaps]
     data = [_behind(run, gaps), *_branch_traces(cycle), *_corner_traces(cycle, run)]
-    layout = loop_axes(run.run)
+    layout = loop_axes(run.run) | {"yaxis": axis(_output_title(run))}
     others = len(run.cycles) - 1
     behind = f"Grey: all readings, {others + 1} cycles." if others else "Grey: all readings."
     return Figure(
@@ -52,6 +54,12 @@ def tangent_figure(run: RunFigures) -> Figure:
         ],
         source_label(run.run),
     )
+
+
+def _output_title(run: RunFigures) -> str:
+    """What the vertical axis shows: the output, or its logarithm."""
+    title = output_title(run.run)
+    return f"Logarithm (base 10) of {title[:1].lower()}{title[1:]}" if run.record.unit == DECADE else title
 
 
 def _behind(run: RunFigures, gaps: Sequence[Gap]) -> Trace:
