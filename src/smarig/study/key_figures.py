@@ -16,6 +16,7 @@ from smarig.report import (
     to_uncertainty,
 )
 from smarig.report import table as html_table
+from smarig.study.input_correction import CORRECTED
 from smarig.study.runs_by_condition import conditions_text
 from smarig.study.study_figure import load_of, load_text
 from smarig.study.study_result import StudyResult
@@ -73,8 +74,8 @@ def _field_loops(result: StudyResult) -> Iterator[Row]:
 
 
 def _corrected(result: StudyResult) -> str:
-    lag = result.transformation is not None and result.transformation.lag is not None
-    return " Corrected for the lag of the thermometer." if lag else ""
+    found = result.transformation and result.transformation.corrected_for
+    return f" Corrected for the {CORRECTED[found.name]} of the thermometer." if found else ""
 
 
 def _model(result: StudyResult) -> Iterator[Row]:

@@ -25,8 +25,8 @@ from smarig.study.data_split import DataSplit, split_runs
 from smarig.study.function_of_input import function_of_input
 from smarig.study.heat_flow_study import calorimetry_of
 from smarig.study.imported_runs import ImportedTable, file_title, import_tables
+from smarig.study.input_correction import named_correction
 from smarig.study.mapping_draft import mapping_draft
-from smarig.study.named_lag import named_lag
 from smarig.study.plane_model import refuse_plane_tables
 from smarig.study.questions import StudyCommand, assumed_unit, other_columns
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
@@ -114,7 +114,7 @@ def study(
         without_cause=without_cause,
         undetermined=undetermined,
         heating=heating,
-        transformation=transformation_of([table.run for table in tables], named_lag(diagnosis))
+        transformation=transformation_of([table.run for table in tables], named_correction(diagnosis))
         if found is None
         else None,
         calorimetry=found,

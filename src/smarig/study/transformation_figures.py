@@ -7,7 +7,7 @@ from typing import Any
 from smarig.core import UsageError
 from smarig.diagnosis import Finding
 from smarig.record import Run
-from smarig.study.named_lag import lag_sentence, without_lag
+from smarig.study.input_correction import corrected_run, correction_sentence
 from smarig.transformation import (
     TEMPERATURES,
     LoadSlope,
@@ -24,18 +24,18 @@ _MOST = 8  # runs in a text
 class Transformation:
     """The transformation temperatures of the runs that have a full loop; ``left_out`` has the reasons of the others.
 
-    ``result`` is None if no run has a full loop. ``lag`` is that of the thermometer, for which the temperatures are
-    corrected, None if none was named.
+    ``result`` is None if no run has a full loop. ``corrected_for`` is the lag or the drift of the thermometer for which
+    the temperatures are corrected, None if none was named.
     """
 
     result: TransformationResult | None
     left_out: dict[str, str]
-    lag: Finding | None = None
+    corrected_for: Finding | None = None
 
     @property
     def correction(self) -> str:
         """What the temperatures are corrected for, a sentence; "" if they are those of the record."""
-        return lag_sentence(self.lag) if self.lag and self.result else ""
+        return correction_sentence(self.corrected_for) if self.corrected_for and self.result else ""
 
     @property
     def slopes(self) -> list[tuple[str, float, tuple[float | None, float | None]]]:
@@ -86,19 +86,19 @@ class Transformation:
         return {
             "temperatures": self.result and self.result.to_json(),
             "left_out": self.left_out,
-            "corrected_for": self.lag and self.lag.to_json(),
+            "corrected_for": self.corrected_for and self.corrected_for.to_json(),
         }
 
 
-def transformation_of(runs: Sequence[Run], lag: Finding | None = None) -> Transformation | None:
-    """The transformation temperatures of runs, corrected for the ``lag`` of their thermometer.
+def transformation_of(runs: Sequence[Run], found: Finding | None = None) -> Transformation | None:
+    """The transformation temperatures of runs, corrected for what was ``found`` of their thermometer.
 
     None if their input is no temperature, or if they have no output.
     """
     hot = [run for run in runs if run.input_unit in ("K", "degC") and run.has("position")]
     if not hot:
         return None
-    hot = [without_lag(run, lag) for run in hot] if lag else hot
+    hot = [corrected_run(run, found) for run in hot] if found else hot
     left_out: dict[str, str] = {}
     usable = []
     for run in hot:
@@ -106,5 +106,5 @@ def transformation_of(runs: Sequence[Run], lag: Finding | None = None) -> Transf
             transformation_temperatures(run)
             usable.append(run)
         except UsageError as error:
-            left_out[run.name] = f"{error} {lag_sentence(lag)}" if lag else str(error)
-    return Transformation(transformation_temperatures(usable) if usable else None, left_out, lag)
+            left_out[run.name] = f"{error} {correction_sentence(found)}" if found else str(error)
+    return Transformation(transformation_temperatures(usable) if usable else None, left_out, found)

@@ -1,4 +1,4 @@
-"""Transformation temperatures of a thermometer whose lag a diagnosis named are those of the wire."""
+"""Transformation temperatures of a thermometer whose lag or drift a diagnosis named are those of the wire."""
 
 from types import SimpleNamespace
 
@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, lagged
 from smarig.diagnosis import Finding
-from smarig.study.named_lag import named_lag, without_lag
+from smarig.study.input_correction import corrected_run, named_correction
 from smarig.study.transformation_figures import transformation_of
 
 WIRE, DT = RelayWire(4), 0.5
@@ -59,6 +59,17 @@ def test_temperatures_are_those_of_the_wire_and_the_page_says_so(lag_s, rates):
     assert found.to_json()["corrected_for"]["name"] == "input_lag"
 
 
+def test_temperatures_of_a_thermometer_that_drifts_are_those_of_its_start():
+    u = np.tile(drive((1.0, 1.0))[:-1], 2)
+    hours = DT * np.arange(u.size) / 3600
+    true = as_run("true", u, WIRE.strain(u), dt=DT, noise=(0.02, 0.004))
+    read = as_run("read", u + 60.0 * hours, WIRE.strain(u), dt=DT, noise=(0.02, 0.004))
+    drift = Finding("input_drift", 1.0, {"drift_per_h": {"value": -60.0, "ci95": None, "unit": "degC per h"}})
+    corrected, found = means(read, drift)
+    np.testing.assert_allclose(corrected, means(true)[0], atol=0.3)
+    assert "the drift of the thermometer, -60 degC per h;" in found.correction
+
+
 def test_a_lag_in_rows_is_corrected_too():
     read, true = measured(4.0, (1.0, 2.0), clock=False)
     lag = finding(4.0 / DT, "lag_rows", "rows")
@@ -69,11 +80,11 @@ def test_a_lag_in_rows_is_corrected_too():
 def test_rows_without_a_reading_stay_as_they_are():
     read, _ = measured(4.0, (1.0, 1.0))
     read["input"][5] = np.nan
-    found = without_lag(read, finding(4.0))
+    found = corrected_run(read, finding(4.0))
     np.testing.assert_array_equal(np.isnan(found["input"]), np.isnan(read["input"]))
     assert found["position"] is read["position"]
 
 
 def test_only_a_diagnosis_that_names_a_lag_has_one():
-    assert named_lag(None) is None
-    assert named_lag(SimpleNamespace(verdict=SimpleNamespace(word="named"))) is None
+    assert named_correction(None) is None
+    assert named_correction(SimpleNamespace(verdict=SimpleNamespace(word="named"))) is None
