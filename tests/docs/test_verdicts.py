@@ -13,7 +13,7 @@ from smarig.identification import (
     AgainstCurves,
     error_verdict,
     study_sentences,
-    verdict_sentences,
+    threshold_sentences,
 )
 from smarig.report.components.glossary import terms, terms_in
 
@@ -24,12 +24,12 @@ def plain(text):
     return re.sub(r"\s+", " ", text)
 
 
-@pytest.mark.parametrize("sentence", [*verdict_sentences(), *study_sentences()])
+@pytest.mark.parametrize("sentence", [*threshold_sentences(), *study_sentences()])
 def test_the_reference_states_each_threshold(sentence):
     assert sentence in plain(PAGE.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("sentence", verdict_sentences())
+@pytest.mark.parametrize("sentence", threshold_sentences())
 def test_the_help_of_verify_states_each_threshold(sentence):
     assert sentence in plain(CliRunner().invoke(command, ["--help"]).output)
 

@@ -5,7 +5,7 @@ import pytest
 
 from extras import lacks
 from smarig.exchange import find_tables
-from smarig.exchange.text.cell_values import is_missing
+from smarig.exchange.text.no_reading import is_missing
 
 MARKS = (
     "-nan(ind)",

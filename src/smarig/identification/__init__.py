@@ -88,7 +88,7 @@ if TYPE_CHECKING:
         surface_through_states as surface_through_states,
     )
     from smarig.identification.verdict_thresholds import study_sentences as study_sentences
-    from smarig.identification.verdict_thresholds import verdict_sentences as verdict_sentences
+    from smarig.identification.verdict_thresholds import threshold_sentences as threshold_sentences
     from smarig.identification.verification import ONLY_NOISE as ONLY_NOISE
     from smarig.identification.verification import PredictionErrors as PredictionErrors
     from smarig.identification.verification import RunVerification as RunVerification

@@ -16,7 +16,7 @@ LARGE_PLACE = 0.1  # of the travel: an error that a reader must see, wherever it
 LITTLE_UNPREDICTED, MOSTLY_UNPREDICTED = 0.05, 0.5  # of the data: where a model has no prediction
 
 
-def verdict_sentences() -> tuple[str, ...]:
+def threshold_sentences() -> tuple[str, ...]:
     """How ``verify`` and the pages of a characterisation decide on an rms error at settled points."""
     return (
         f"good: at most {GOOD_RATIO:g} × the noise floor of the run.",

@@ -8,7 +8,7 @@ import click
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, own_effects
 from smarig.core import spaced
-from smarig.identification import verdict_sentences
+from smarig.identification import threshold_sentences
 
 if TYPE_CHECKING:
     from smarig.identification import RunVerification
@@ -18,7 +18,7 @@ EPILOG = "\n\n".join(
     [
         "\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite",
         "The verdict on the rms error:",
-        *verdict_sentences(),
+        *threshold_sentences(),
         "The noise floor is the scatter of settled points that were repeated in one run (docs/reference/verdicts.md).",
     ]
 )

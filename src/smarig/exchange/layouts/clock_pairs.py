@@ -16,8 +16,9 @@ from smarig.core import Array, DataError, shown
 from smarig.exchange.layouts.joined_clocks import joined_clocks
 from smarig.exchange.layouts.logged_rows import LoggedRows
 from smarig.exchange.layouts.unit_cells import joined_cells
-from smarig.exchange.text.cell_values import is_missing, is_number_with_any_sign
+from smarig.exchange.text.cell_values import is_number_with_any_sign
 from smarig.exchange.text.clock_cells import clock_column, clock_seconds
+from smarig.exchange.text.no_reading import is_missing
 from smarig.exchange.text.table_rows import split
 from smarig.exchange.units.unit_conversion import convert, dimension
 from smarig.exchange.units.written_units import known_unit

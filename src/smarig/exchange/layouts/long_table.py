@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.exchange.layouts.unit_cells import is_quantity
-from smarig.exchange.text.cell_values import is_missing, is_number_with_any_sign
+from smarig.exchange.text.cell_values import is_number_with_any_sign
 from smarig.exchange.text.clock_cells import clock_seconds
+from smarig.exchange.text.no_reading import is_missing
 from smarig.exchange.text.table_rows import split
 
 _FEWEST = 3  # readings of a variable, as rows of a table

@@ -15,7 +15,8 @@ import numpy as np
 
 from smarig.core import DataError, shown
 from smarig.exchange.layouts.logged_rows import LoggedRows
-from smarig.exchange.text.cell_values import is_missing, is_number
+from smarig.exchange.text.cell_values import is_number
+from smarig.exchange.text.no_reading import is_missing
 from smarig.exchange.text.table_rows import split
 from smarig.exchange.units.unit_conversion import convert, dimension
 from smarig.exchange.units.written_units import known_unit

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from smarig.exchange.tables.found_table import CLOCK, NUMBER, TEXT
-from smarig.exchange.text.cell_values import is_missing, is_number
+from smarig.exchange.text.cell_values import is_number
 from smarig.exchange.text.clock_cells import clock_seconds
+from smarig.exchange.text.no_reading import is_missing
 
 _SHORT = 40  # characters: of a cell whose kind is kept, since several styles and readers ask for it
 

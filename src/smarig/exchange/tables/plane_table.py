@@ -13,7 +13,8 @@ import numpy as np
 
 from smarig.core import Array, DataError, UsageError
 from smarig.exchange.tables.text_table import DELIMITERS, HEADER_WITHIN, read_text, split
-from smarig.exchange.text.cell_values import is_missing, is_number
+from smarig.exchange.text.cell_values import is_number
+from smarig.exchange.text.no_reading import is_missing
 
 _FEWEST_LEVELS = 3
 _MOST_LEVELS = 1000  # those of a table in a model file

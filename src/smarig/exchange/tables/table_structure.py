@@ -23,9 +23,10 @@ from smarig.exchange.tables.header_rows import (
 from smarig.exchange.tables.number_style import NumberStyle
 from smarig.exchange.tables.rare_texts import rare_texts
 from smarig.exchange.tables.stacked_headings import stacked_heading
-from smarig.exchange.text.cell_values import is_missing, is_number
+from smarig.exchange.text.cell_values import is_number
 from smarig.exchange.text.header_words import has_bracketed_units, words_below
 from smarig.exchange.text.interruptions import names_columns
+from smarig.exchange.text.no_reading import is_missing
 from smarig.exchange.text.table_rows import rows_end
 from smarig.exchange.units.written_units import is_units_row, without_markup
 

@@ -1,4 +1,4 @@
-"""Numbers from the cells of a table: decimal sign, thousands, and words for a missing value."""
+"""Numbers from the cells of a table: decimal sign and thousands."""
 
 import math
 import re
@@ -9,39 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import Array, DataError, number_from_text, shown
-from smarig.exchange.text.no_reading import is_mark, without_marks
+from smarig.exchange.text.no_reading import is_missing, without_marks
 
-MISSING = {
-    *(
-        "",
-        "nan",
-        "na",
-        "n/a",
-        "#n/a",
-        "#na",
-        "#nv",
-        "null",
-        "none",
-        "-",
-        "--",
-        "---",
-        "?",
-    ),
-    *(
-        "overflow",
-        "overload",
-        "ovld",
-        "invalid",
-        "error",
-        "#div/0!",
-        "#value!",
-        "#ref!",
-        "#num!",
-    ),
-}
-_NOT_A_NUMBER = re.compile(
-    r"[+-]?(nan(\([a-z0-9]*\))?|1[.,]#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
-)  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, 1,#QNAN, -1.#IND00, and -1.#J with two decimals
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 _THOUSANDS = {",": ",", ".": r"\.", "'": "['’]", "space": r"[\s\u00a0\u202f]"}
 
@@ -92,15 +61,6 @@ def is_number_with_any_sign(cell: str) -> bool:
     (True, True, False)
     """
     return is_number(cell, ".") or is_number(cell, ",")
-
-
-def is_missing(cell: str) -> bool:
-    """Whether a cell says that there is no value.
-
-    >>> is_missing("n/a"), is_missing("-1.#IND"), is_missing("0")
-    (True, True, False)
-    """
-    return cell.lower() in MISSING or _NOT_A_NUMBER.fullmatch(cell) is not None or is_mark(cell)
 
 
 def number_column(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import Array, DataError, shown
-from smarig.exchange.text.cell_values import is_missing
+from smarig.exchange.text.no_reading import is_missing
 
 _CLOCK = re.compile(r"(?:(\d{1,9})[ T])?(\d{1,3}):(\d{2})(?::(\d{2})(?:[.,:](\d+))?)?")
 _DATE = re.compile(

@@ -8,6 +8,37 @@ import numpy as np
 
 from smarig.core import Array, number_from_text, shown
 
+MISSING = {
+    *(
+        "",
+        "nan",
+        "na",
+        "n/a",
+        "#n/a",
+        "#na",
+        "#nv",
+        "null",
+        "none",
+        "-",
+        "--",
+        "---",
+        "?",
+    ),
+    *(
+        "overflow",
+        "overload",
+        "ovld",
+        "invalid",
+        "error",
+        "#div/0!",
+        "#value!",
+        "#ref!",
+        "#num!",
+    ),
+}
+_NOT_A_NUMBER = re.compile(
+    r"[+-]?(nan(\([a-z0-9]*\))?|1[.,]#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
+)  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, 1,#QNAN, -1.#IND00, and -1.#J with two decimals
 # Graphtec: BURNOUT and +++++++, Keyence: -FFFFFFF, multimeters: OL, OVER and --OL--, C libraries: inf and 1.#INF00
 _MARK = re.compile(
     r"[+*-]*\s?(burn ?out|over|o\.?l|f{4,}|inf(inity)?|1[.,]#inf0*)\s?[+*-]*|\+{2,}|-{4,}|\*{2,}",
@@ -23,6 +54,15 @@ def is_mark(cell: str) -> bool:
     (True, True, True, True, False, False)
     """
     return _MARK.fullmatch(cell) is not None
+
+
+def is_missing(cell: str) -> bool:
+    """Whether a cell says that there is no value.
+
+    >>> is_missing("n/a"), is_missing("-1.#IND"), is_missing("0")
+    (True, True, False)
+    """
+    return cell.lower() in MISSING or _NOT_A_NUMBER.fullmatch(cell) is not None or is_mark(cell)
 
 
 def without_marks(x: Array) -> Array:

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Protocol
 
 from smarig.core import DataError
-from smarig.exchange.text.cell_values import is_missing, is_number
+from smarig.exchange.text.cell_values import is_number
 from smarig.exchange.text.clock_cells import clock_seconds
 from smarig.exchange.text.interruptions import names_columns
+from smarig.exchange.text.no_reading import is_missing
 
 _MAY_BE_PADDED = re.compile(r"[+-] ")
 _PADDED = re.compile(r"^([+-])\s+(?=[\d.,])")  # a number whose sign and digits are aligned

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.core import Array, shown
-from smarig.exchange.text.cell_values import is_missing
+from smarig.exchange.text.no_reading import is_missing
 
 _LONGEST = 40  # characters of an example
 
