@@ -18,8 +18,10 @@ _NOTE = "Cells to the left of the readings hold keys and values; they are read a
 
 def key_cells(lines: Sequence[str]) -> LoggedRows:
     """The lines of a text whose keys stand beside its readings, with the keys above them; other texts as they are."""
+    last = next((line.strip(" ") for line in reversed(lines) if line.strip()), "")
     for sign in _SIGNS:
-        if lines and sign in lines[0] and (found := _parted(_rows(lines, sign))):
+        empty_at_last = last.startswith((sign, f'""{sign}'))  # of most texts, no more needs to be read
+        if empty_at_last and sign in lines[0] and (found := _parted(_rows(lines, sign))):
             keys, readings = found
             above = [sign.join(cell for cell in row if cell) for row in keys]
             above += [sign.join(_names(keys, len(readings[0])))]
