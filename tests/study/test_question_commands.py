@@ -43,7 +43,7 @@ def test_a_flag_is_no_answer_and_the_ramped_column_comes_first(tmp_path):
     }
     with pytest.raises(UnsureError) as error:
         understand([file_of(tmp_path, columns)], StudyOptions())
-    commands = [shlex.split(command.split("; ")[0]) for command in commands_in(error)]
+    commands = [shlex.split(command.split("; ")[0]) for command in commands_in(error.value)]
     first = dict(zip(commands[0], commands[0][1:]))
     assert (first["--input"], first["--output"]) == ("set (V)", "AI 2 (V)")
     assert not any("on/off" in word for command in commands for word in command)
