@@ -74,7 +74,7 @@ def test_where_a_condition_differs_the_same_run_is_not_repeated(variable, verdic
     found = result("unknown", depends_on=variable, verdict=verdict)
     runs = [{"load": {"mean": mean, "unit": "N"}} for mean in (1.0, 5.0)]
     found.tables = [SimpleNamespace(run=SimpleNamespace(info=SimpleNamespace(conditions=c))) for c in runs]
-    assert next_step(found) == "Study the runs of each load by themselves: one model does not know it."
+    assert next_step(found) == "Study the runs of each load by themselves: one model cannot follow them all."
     found.tables = found.tables[:1]
     assert ("another day" if variable == "run" else "half the rate") in next_step(found)
 

@@ -28,7 +28,7 @@ def next_step(result: "StudyResult") -> str:
         step = _of_causes(d)
     elif result.verdict != ErrorLevel.GOOD and (names := _pooled(result)):
         words = " and ".join(name.replace("_", " ") for name in names)
-        step = f"Study the runs of each {words} by themselves: one model does not know it."
+        step = f"Study the runs of each {words} by themselves: one model cannot follow them all."
     elif d is not None and d.verdict.word == "unknown" and d.verdict.depends_on:
         step = variable_experiment(d.verdict.depends_on)
     if step or result.verdict != ErrorLevel.GOOD:

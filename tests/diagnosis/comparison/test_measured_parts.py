@@ -214,9 +214,10 @@ def test_at_one_rate_a_lag_is_a_part_of_every_loop():
 
 
 @pytest.mark.parametrize(("peaks", "named"), [((88.0, 70.0), False), ((88.0, 70.0, 62.0, 80.0), True)])
-def test_what_a_branch_has_one_of_is_no_variable_of_two_cycles(peaks, named):
-    """Two branches at two rates: the rate is the name of the branch, and so is whatever else differs."""
+def test_a_rate_is_no_variable_of_two_cycles(peaks, named):
+    """Four branches at two rates: the rate is the name of the cycle, and so is whatever else differs."""
     u = triangles(peaks, rows=[20, 45, 30, 60][: len(peaks)])
     problem = reading_problem(wire_records([as_run("a", u, RelayWire(1).strain(u), dt=1.0)], ()))
-    assert ({"rate", "history", "time"} <= set(plain_variables.testable_variables(problem))) is named
+    assert ({"rate", "time"} <= set(plain_variables.testable_variables(problem))) is named
+    assert "history" in plain_variables.testable_variables(problem)
     assert "time_since_reversal" in plain_variables.testable_variables(problem)
