@@ -48,11 +48,9 @@ def added_parts(problem: ReadingProblem, effect: MeasurementEffect, shapes: Sequ
             k, z, problem.train
         )  # a shift in proportion to the condition is the effect itself
         return [k, k * np.outer(level, level), curved * np.outer(slope, slope), k * np.outer(width, width)]
-    if (
-        effect.kind.name == "input_offset"
-    ):  # strokes that differ, too, and what the search has left of many offsets
-        same = problem.record[:, None] == problem.record
-        return [centred(same * np.outer(shape, shape), problem.train) for shape in shapes[:2]]
+    if effect.kind.name == "input_offset":  # what the search has left of the offsets, and those of other runs
+        run = problem.record
+        return [centred((run[:, None] == run) * np.outer(shapes[1], shapes[1]), problem.train)]
     terms = np.concatenate(
         [changed(r, [effect]).terms[rows] for r, rows in zip(problem.records, problem.rows)]
     )
