@@ -9,7 +9,6 @@ from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
 from smarig.diagnosis.comparison import gaussian_fit
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.gaussian_fit import LEVEL, fit_gaussian
-from smarig.diagnosis.comparison.measured import plain_variables
 from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
 from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
 from smarig.diagnosis.comparison.measured.positive_prior import positive_prior
@@ -211,13 +210,3 @@ def test_at_one_rate_a_lag_is_a_part_of_every_loop():
     for u, expected in ((even, True), (uneven, False)):
         runs = [as_run("a", u, RelayWire(1).strain(u), dt=1.0)]
         assert at_one_rate(reading_problem(wire_records(runs, ()))) is expected
-
-
-@pytest.mark.parametrize(("peaks", "named"), [((88.0, 70.0), False), ((88.0, 70.0, 62.0, 80.0), True)])
-def test_a_rate_is_no_variable_of_two_cycles(peaks, named):
-    """Four branches at two rates: the rate is the name of the cycle, and so is whatever else differs."""
-    u = triangles(peaks, rows=[20, 45, 30, 60][: len(peaks)])
-    problem = reading_problem(wire_records([as_run("a", u, RelayWire(1).strain(u), dt=1.0)], ()))
-    assert ({"rate", "time"} <= set(plain_variables.testable_variables(problem))) is named
-    assert "history" in plain_variables.testable_variables(problem)
-    assert "time_since_reversal" in plain_variables.testable_variables(problem)

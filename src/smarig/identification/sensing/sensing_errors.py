@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from smarig.control import AMBIGUOUS_SHARE, PositionObserver, ResistanceMap, SelfSensing, is_ambiguous
 from smarig.core import Array, UsageError, root_mean_square
-from smarig.identification.sensing.fit_sensing import SensedRun, sensed_run, sensing_actuator
+from smarig.identification.sensing.sensed_run import SensedRun, sensed_run, sensing_actuator
 from smarig.record import Run
 from smarig.replay import Model
 

@@ -38,7 +38,7 @@ OFFSET = "input_offset"
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
 OF_EACH_RUN = (OFFSET, "run")  # of a held-out run they say nothing
 BETWEEN_RUNS = (OFFSET, "stress_shift", "run", "stress")
-OF_RATES = ("input_lag",)  # runs at other rates differ by it, too
+OF_RATES = ("input_lag", "rate")  # runs at other rates differ by these, too
 
 
 @dataclass(frozen=True)

@@ -45,8 +45,6 @@ def testable_variables(problem: ReadingProblem) -> list[str]:
     names = [n for n in names if np.ptp(problem.variables[n][problem.train]) > 1e-9]
     if _most_cycles(problem) < FEWEST_CYCLES:
         names = [n for n in names if n not in OVER_CYCLES]
-    if problem.excursions < FEWEST_CYCLES:
-        names = [n for n in names if n != "rate"]
     if at_one_rate(problem):
         names = [n for n in names if n not in ("rate", "speed")]
     known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
