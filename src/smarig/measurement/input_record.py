@@ -225,12 +225,6 @@ def hours_of_cycles(records: Sequence["InputRecord"], fewest: float) -> float | 
     return max(float(np.ptp(r.t)) for r in records) / 3600
 
 
-def rate_of(record: "InputRecord") -> float:
-    """Mean |du/dt| of a record with a clock: range of the input times cycles over the duration."""
-    cycles = max(float(record.cycle[-1] - record.cycle[0]), 0.25)
-    return 2 * cycles * float(np.ptp(record.u)) / max(float(np.ptp(record.t)), 1e-12)
-
-
 def monotone_branches(u: Array, turns: Sequence[int]) -> Array:
     """The input, monotone between its reversals by isotonic least squares: a hysteresis takes noise for reversals."""
     from scipy.optimize import isotonic_regression  # imported here: takes half a second

@@ -17,10 +17,7 @@ from smarig.diagnosis.comparison.measured.varied_together import OVER_CYCLES, at
 LENGTH = 0.35  # of the variable's range
 NEEDS_CLOCK = ("rate", "speed", "time", "time_since_reversal")
 VARIABLES = ("rate", "speed", "time", "cycle", "history", "time_since_reversal", "stress", "run")
-FEWEST_CYCLES = (
-    3  # of one record: with fewer, a drift is a part of the loop, and what a branch has one of is its name
-)
-OF_BRANCHES = (*OVER_CYCLES, "rate", "history")  # one value, or about one, a branch
+FEWEST_CYCLES = 3  # of one record: with fewer, a drift is a part of the loop
 
 
 @dataclass(frozen=True, eq=False)

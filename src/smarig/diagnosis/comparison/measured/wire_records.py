@@ -17,12 +17,12 @@ from scipy.ndimage import gaussian_filter1d
 from smarig.core import Array
 from smarig.measurement import InputRecord, input_records
 from smarig.record import Run
+from smarig.replay import same_condition
 
 Mask = NDArray[np.bool_]
 Part = tuple[InputRecord, bool, Mask]  # of a record: whether it is held out, and the rows that may be read
 QUIET_SHARE = 0.003  # of the range: noise that makes no memory worth a name
 LONGEST_SHARE = 0.05  # of the rows, of the smoothing
-SAME_CONDITION = 0.02  # relative: means of one load over two parts differ by less
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def _goes_on(before: InputRecord, record: InputRecord) -> bool:
 def _under_one_condition(before: InputRecord, record: InputRecord) -> bool:
     """Whether two records state the same conditions, with about equal values: a joined record has one of each."""
     ours, theirs = before.conditions, record.conditions
-    return set(ours) == set(theirs) and all(np.isclose(ours[n], theirs[n], rtol=SAME_CONDITION) for n in ours)
+    return set(ours) == set(theirs) and all(same_condition(ours[n], theirs[n], "") for n in ours)
 
 
 def _joined(parts: list[Part]) -> WireRecord:
