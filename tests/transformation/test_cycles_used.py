@@ -75,7 +75,9 @@ def test_the_lag_of_the_heating_model_widens_the_interval():
     fast = run_of(u, y)
     fast.columns["t_s"] = t
     modelled = fast.with_meta(
-        actuator="gorbet_one_wire", input={"quantity": "temperature", "unit": "degC", "from": "heating model"}
+        actuator="gorbet_one_wire",
+        input={"quantity": "temperature", "unit": "degC", "from": "heating model"},
+        source="twin",  # whose wire obeys that model: its heat loss is known
     )
 
     def half(found, name):

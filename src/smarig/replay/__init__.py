@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from smarig.replay.wire_stress import StressRange as StressRange
     from smarig.replay.wire_stress import stress_over_run as stress_over_run
     from smarig.replay.wire_temperature import TemperatureSource as TemperatureSource
+    from smarig.replay.wire_temperature import is_heated_by_model as is_heated_by_model
     from smarig.replay.wire_temperature import temperature_source as temperature_source
     from smarig.replay.wire_temperature import with_wire_temperature as with_wire_temperature
 else:

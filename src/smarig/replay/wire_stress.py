@@ -1,11 +1,14 @@
-"""The stress in two antagonist wires over a run: heating (5.1), phases of both, force balance of thesis §5.5.1."""
+"""The stress in two antagonist wires over a run, by the function that the guard of the rig has (``AntagonistStress``).
+
+The wires are heated by (5.1); their phases follow the transformation temperatures without stress, so the stress is an
+upper bound.
+"""
 
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from smarig.plant import Actuator, JouleHeating, WirePhases, stress_of_phases_MPa
-from smarig.preisach import Everett
+from smarig.plant import Actuator, AntagonistStress, JouleHeating
 from smarig.record import AnyRun
 
 _COLUMNS = ("tick", "current_A")
@@ -31,16 +34,17 @@ class StressRange:
         }
 
 
-def stress_over_run(run: AnyRun, actuator: Actuator, hysteresis: Everett) -> StressRange | None:
-    """The stress from the measured currents of a run; None for a single wire, or without ticks and currents.
+def stress_over_run(run: AnyRun, actuator: Actuator) -> StressRange | None:
+    """The stress from the measured currents of a run; None for a single wire, or without ticks, currents or ambient.
 
     The wires start cold. The stress-strain curves are those of the thesis, for total strain 6 %.
     """
-    period_s = run.info.period_s
-    if not actuator.two_wire or not period_s or not run.has("current_A"):
+    period_s, ambient_degC = run.info.period_s, _ambient_degC(run)
+    if not actuator.two_wire or not period_s or not run.has("current_A") or ambient_degC is None:
         return None
-    heating, phases = JouleHeating(actuator, float(period_s)), WirePhases(hysteresis)
-    least = most = last = None
+    heating, wires = JouleHeating(actuator, float(period_s)), AntagonistStress(ambient_degC)
+    cold = least = most = wires.step((0.0, 0.0))
+    last = None
     for block in run.blocks(_COLUMNS):
         rows = zip(block["tick"].tolist(), np.nan_to_num(block["current_A"]).tolist())
         for tick, current_A in rows:
@@ -51,11 +55,17 @@ def stress_over_run(run: AnyRun, actuator: Actuator, hysteresis: Everett) -> Str
             else:
                 heating.step(current_A)
             last = tick
-            phases.step(heating.wire_K)
-            austenite = phases.austenite[0] + phases.austenite[1]
-            least = austenite if least is None else min(least, austenite)
-            most = austenite if most is None else max(most, austenite)
-    if least is None or most is None:
+            stress_MPa = wires.step(heating.wire_K)
+            least, most = min(least, stress_MPa), max(most, stress_MPa)
+    return None if last is None else StressRange(cold, least, most)
+
+
+def _ambient_degC(run: AnyRun) -> float | None:
+    """The ambient temperature that the guard of the rig assumes; of other runs, the mean of what was recorded."""
+    assumed = run.info.rig_values.get("ambient_degC")
+    if isinstance(assumed, int | float):
+        return float(assumed)
+    if not run.has("ambient_degC"):
         return None
-    ends = [stress_of_phases_MPa(x) for x in (least, most)]
-    return StressRange(stress_of_phases_MPa(0.0), min(ends), max(ends))
+    blocks = [block["ambient_degC"] for block in run.blocks(("ambient_degC",))]
+    return float(np.nanmean(np.concatenate(blocks)))

@@ -24,12 +24,20 @@ def temperature_source(runs: Sequence[Run]) -> TemperatureSource:
     """The best source that all runs of a rig have."""
     if all(run.has("temperature_degC") and run.has("ambient_degC") for run in runs):
         return "thermometer"
-    if all(
-        run.has("voltage_V") and run.has("current_A") and run.has("ambient_degC") and _actuator(run)
-        for run in runs
-    ):
-        return "power"
-    return "heating model"
+    return "power" if all(map(_has_power, runs)) else "heating model"
+
+
+def _has_power(run: Run) -> bool:
+    """Whether voltage and current tell the heat of a single wire: a twin may be heated by its mean resistance."""
+    measured = run.has("voltage_V") and run.has("current_A") and run.has("ambient_degC")
+    actuator = _actuator(run) if measured else None
+    return actuator is not None and not is_heated_by_model(run, actuator)
+
+
+def is_heated_by_model(run: Run, actuator: Actuator) -> bool:
+    """Whether a run is of a twin whose wire obeys the heating model (5.1), so that its temperatures are exact."""
+    file = actuator.file
+    return run.twin and file.thermomechanical is None and file.heating.twin_heat == "mean_resistance"
 
 
 def with_wire_temperature(run: Run, source: str) -> Run:

@@ -23,6 +23,7 @@ from smarig.transformation.cycle_figures import (
 )
 from smarig.transformation.decades import in_decades
 from smarig.transformation.full_branches import COOLING, HEATING, FullBranch, UnusedBranch, full_branches
+from smarig.transformation.heat_loss_error import with_heat_loss
 from smarig.transformation.lag_of_temperatures import lag_note, with_lag
 from smarig.transformation.tangent_ranges import JUMP
 from smarig.transformation.temperature_record import TemperatureRecord, temperature_record
@@ -121,11 +122,11 @@ def run_figures(run: Run) -> RunFigures:
                 curve_seed=zlib.crc32(f"{run.name} {branch.direction}".encode(errors="surrogateescape")),
                 unit=_shown_unit(record.input_unit),
             )
-            tangents[k] = with_lag(found, branch, record.lag_s)
+            tangents[k] = found
         except UsageError as error:
             unused.append(_unused(branch, str(error)))
     _leave_out_small(branches, tangents, unused)
-    cycles = _cycles(branches, tangents)
+    cycles = _cycles(branches, tangents, record)
     if not any(c.whole for c in cycles):
         raise UsageError(_no_loop(run, record, cycles, unused))
     averaged = complete_cycles(cycles)
@@ -157,7 +158,9 @@ def run_figures(run: Run) -> RunFigures:
     )
 
 
-def _cycles(branches: Sequence[FullBranch], tangents: dict[int, BranchTangents]) -> list[CycleFigures]:
+def _cycles(
+    branches: Sequence[FullBranch], tangents: dict[int, BranchTangents], record: TemperatureRecord
+) -> list[CycleFigures]:
     found: list[CycleFigures] = []
     for number in dict.fromkeys(b.cycle for b in branches):
         own = [k for k, b in enumerate(branches) if b.cycle == number]
@@ -167,6 +170,8 @@ def _cycles(branches: Sequence[FullBranch], tangents: dict[int, BranchTangents])
         if set(used) == {HEATING, COOLING}:
             used = _with_borrowed(used)
         parts = {branches[k].direction: branches[k] for k in own if k in tangents}
+        used = {d: with_lag(t, parts[d], record.lag_s) for d, t in used.items()}
+        used = {d: with_heat_loss(t, record.heat_loss) for d, t in used.items()}
         found.append(cycle_figures(number, parts, used, seed=1000 + number))
     return found
 

@@ -9,12 +9,23 @@ import numpy as np
 
 from smarig.core import Array, UsageError
 from smarig.measurement import dropouts
+from smarig.plant import Actuator
 from smarig.record import Run, counted
-from smarig.replay import recorded_actuator
+from smarig.replay import (
+    is_heated_by_model,
+    recorded_actuator,
+    temperature_source,
+    with_wire_temperature,
+)
+from smarig.transformation.heat_loss_error import HeatLossError, heat_loss_error
 
 _ZERO_DEGC_K = 273.15
 _OF_TWO_WIRES = "T1 - T2"
 _LARGEST = 1e100
+_FROM = {
+    "power": "voltage and current, by the heat loss of the actuator file",
+    "heating model": "the heating model along the current",
+}
 _MOVED_K = 1.0  # a larger range of the ambient temperature is stated
 
 
@@ -24,8 +35,8 @@ class TemperatureRecord:
 
     ``to_degC_K`` is added to u to give °C, None if the ambient temperature is not known; ``ambient_degC`` is its mean.
     ``t_s`` (k,) are the times of the readings of a run that did not settle, None if they are not known. ``lag_s`` is
-    the time constant of the heating model from which temperatures come, None for measured ones and settled points.
-    ``notes`` state which readings were left out, and where temperatures were not measured.
+    the time constant of the heating from which temperatures come, None for measured ones and settled points, and
+    ``heat_loss`` its error. ``notes`` state which readings were left out, and where temperatures were not measured.
     """
 
     u: Array
@@ -37,6 +48,7 @@ class TemperatureRecord:
     settled: bool
     t_s: Array | None = None
     lag_s: float | None = None
+    heat_loss: HeatLossError | None = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -48,6 +60,8 @@ class TemperatureRecord:
 def temperature_record(run: Run) -> TemperatureRecord:
     """The record of a run. Raises UsageError if its hysteresis input is no temperature, or if a channel is missing."""
     _check_input(run)
+    route = _route(run)
+    run = route.run
     notes: list[str] = []
     whole, run = len(run), counted(run)
     if len(run) < whole:
@@ -77,14 +91,8 @@ def temperature_record(run: Run) -> TemperatureRecord:
         notes.append(
             f"The ambient temperature moved from {ambient.min():.1f} to {ambient.max():.1f} °C; its mean was used."
         )
-    modelled = "heating model" in (run.info.input.from_ or "")
-    if modelled:
-        notes.append(
-            "No thermometer measured these temperatures: they come from the heating model along the current. Its error "
-            "is not in the intervals."
-        )
+    notes += route.notes
     mean = float(ambient.mean()) if ambient.size else None
-    actuator = recorded_actuator(run) if modelled and t_s is not None else None
     return TemperatureRecord(
         u=u,
         y=y,
@@ -94,9 +102,37 @@ def temperature_record(run: Run) -> TemperatureRecord:
         ambient_degC=mean,
         settled=bool(run.settled),
         t_s=t_s,
-        lag_s=actuator.tau_s if actuator is not None else None,
+        lag_s=None if t_s is None or route.heated is None else route.heated.tau_s,
+        heat_loss=route.heat_loss,
         notes=tuple(notes),
     )
+
+
+@dataclass(frozen=True)
+class _Route:
+    """The run with the temperature of its wire as input; the wire whose heating it was computed by, and its error."""
+
+    run: Run
+    heated: Actuator | None = None
+    heat_loss: HeatLossError | None = None
+    notes: tuple[str, ...] = ()
+
+
+def _route(run: Run) -> _Route:
+    """By the best that the run has measured: a thermometer, voltage and current, or the current alone."""
+    if "heating model" not in (run.info.input.from_ or ""):
+        return _Route(run)
+    source, actuator = temperature_source([run]), recorded_actuator(run)
+    run = with_wire_temperature(run, source)
+    if source == "thermometer":
+        return _Route(run)
+    note = f"No thermometer measured these temperatures: they come from {_FROM[source]}."
+    if actuator is None:
+        return _Route(run, notes=(f"{note} Its error is not in the intervals.",))
+    if is_heated_by_model(run, actuator):
+        return _Route(run, actuator, notes=(f"{note} The wire of this twin is heated by that model.",))
+    error = heat_loss_error(actuator, measured_power=source == "power")
+    return _Route(run, actuator, error, (f"{note} {error.sentence}",))
 
 
 def _check_input(run: Run) -> None:

@@ -18,7 +18,7 @@ def verdict_lines(
     """The verdict, one or two sentences per line; ``silence`` is the line of a silent one."""
     word, reason = verdict.word, SENTENCES[verdict.reason]
     if word == "silent":
-        yield silence
+        yield f"{silence} {reason}" if verdict.reason == "too_small" else silence
     elif word == "not_identifiable":
         yield reason
     elif word == "unknown":

@@ -34,10 +34,10 @@ def derived_quantities(run: AnyRun) -> DerivedQuantities:
 
 
 def _stress(run: AnyRun, actuator: Actuator) -> StressRange | None:
-    """The stress over a run of two wires; None for thermomechanical ones, whose hysteresis the surface is not."""
+    """The stress over a run of two wires; None for thermomechanical ones, which have a balance of their own."""
     if actuator.file.thermomechanical is not None:
         return None
     try:
-        return stress_over_run(run, actuator, actuator.hysteresis)
+        return stress_over_run(run, actuator)
     except SmarigError:
         return None

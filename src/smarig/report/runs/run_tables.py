@@ -80,7 +80,7 @@ def _derived_rows(run: Run, derived: DerivedQuantities) -> Iterable[Row]:
             f"{stress.least_MPa:.0f} to {stress.most_MPa:.0f} ({stress.change_percent:.1f} % from "
             f"{stress.cold_MPa:.0f} with both wires cold)"
         )
-        source = "force balance of both wires, heated by the measured current"
+        source = "force balance of both wires, heated by the measured current: an upper bound, as for stress_max_MPa"
         yield "Stress in the wires", text, "MPa", source
     if energy is not None:
         heat = f"{number(energy.mean_resistance_J, 4)} (the energy differs by {signed(energy.difference_percent)} %)"

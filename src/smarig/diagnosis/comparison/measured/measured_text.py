@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis.comparison.measured.measured_comparison import RunOffset
-from smarig.diagnosis.comparison.verdict_rules import RULES, SENTENCES
+from smarig.diagnosis.comparison.verdict_rules import RULES
 from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 from smarig.diagnosis.diagnosis_text import (
     FAR_OFF_RATIO,
@@ -67,8 +67,7 @@ def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
 def _silence(d: "MeasuredDiagnosis") -> str:
     size = d.base.rms / float(np.ptp(d.comparison.plan.y[d.comparison.train]))
     error = f"{100 * size:.2f} % of the range"
-    little = f" {SENTENCES[d.verdict.reason]}" if d.verdict.reason == "too_small" else ""
-    return f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {error}.{little}"
+    return f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {error}."
 
 
 def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:

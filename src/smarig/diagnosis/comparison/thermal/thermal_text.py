@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from smarig.diagnosis.comparison.verdict_rules import RULES, SENTENCES
+from smarig.diagnosis.comparison.verdict_rules import RULES
 from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 from smarig.diagnosis.diagnosis_text import parameter_text
 from smarig.diagnosis.variable_words import variable_experiment
@@ -33,11 +33,7 @@ def thermal_lines(d: "ThermalDiagnosis") -> Iterator[str]:
 
 def _silence(d: "ThermalDiagnosis") -> str:
     size = 100 * d.gain.base / d.record.span
-    little = f" {SENTENCES[d.verdict.reason]}" if d.verdict.reason == "too_small" else ""
-    return (
-        f"Nothing stands out: one heat balance predicts blocks left out of the fit to {size:.2f} % of the range."
-        + little
-    )
+    return f"Nothing stands out: one heat balance predicts blocks left out of the fit to {size:.2f} % of the range."
 
 
 def adequacy_text(d: "ThermalDiagnosis") -> str:
