@@ -3,12 +3,14 @@
 The measure has 5050 relays on a 100 × 100 grid over [−1, 1] (α ≥ β at cell centres, masses uniform on [0,
 1), seed 0). The random walk has steps uniform on ±3 grid cells, so each step crosses a few thresholds. It is
 reflected at ±1, so the whole range is visited about thirty times in 10⁵ samples (``random_walk``). The
-decaying sine has 200 periods, which gives the deepest memory. The baseline holds the same relays in one
-NumPy array (``relay_array``), the fastest simple version known to us. Rates are samples per second of
-processor time (one thread, since machines are shared), best of three. Nothing is asserted here.
+decaying sine has 200 periods, which gives the deepest memory. A batch has 10⁴ walks of 100 samples, and 1000
+tables with 12 nodes follow one walk of 1000 samples; both beside a call for each. The baseline holds the
+same relays in one NumPy array (``relay_array``), the fastest simple version known to us. Rates are samples
+per second of processor time (one thread, since machines are shared), best of three. Nothing is asserted here.
 """
 
 import time
+import timeit
 import tracemalloc
 from collections.abc import Callable
 from typing import Any
@@ -23,6 +25,7 @@ from smarig.preisach import (
     Preisach,
     RelayMeasure,
     compiled_available,
+    simulate_models,
     thesis_surface,
 )
 
@@ -99,6 +102,7 @@ def run(quick: bool = False) -> dict[str, Any]:
         "agreement_of_range": float(np.max(np.abs(here - exact)) / (2 * measure.mass.sum())),
         "peak_memory_MB": _peak_MB(measure, n),
         "numba": _numba(measure, 1 if quick else 100) if compiled_available() else None,
+        "bulk": _bulk(measure, 10 if quick else 1) if compiled_available() else None,
     }
 
 
@@ -171,6 +175,48 @@ def _numba(measure: RelayMeasure, scale: int) -> dict[str, Any]:
         "time_per_sample_last_over_first": (seconds[sizes[-1]] / sizes[-1]) / (seconds[sizes[0]] / sizes[0]),
         "equal_to_plain_bit_for_bit": bool(same.all()),
     }
+
+
+def _bulk(measure: RelayMeasure, part: int) -> dict[str, Any]:
+    """Batches, many models and short calls, compiled: rates of processor time, and what calls one by one would take.
+
+    ``threads_gain``: processor time over the time by the clock, of a batch.
+    """
+    operator = Preisach(measure, compiled=True)
+    batch = np.stack([random_walk(100, seed) for seed in range(10_000 // part)])
+    operator.simulate(batch[:2])
+    rows_s = _best(lambda: [operator.simulate(row) for row in batch])
+    batch_s, clock_s = (
+        _best(lambda: operator.simulate(batch)),
+        _best_by_clock(lambda: operator.simulate(batch)),
+    )
+    walk, tables = random_walk(1000), _tables(1000 // part)
+    simulate_models(tables[:2], walk, use_compiled=True)
+    each_s = _best(lambda: [Preisach(t, compiled=True).simulate(walk) for t in tables])
+    models_s = _best(lambda: simulate_models(tables, walk, use_compiled=True))
+    short, inputs = random_walk(100), random_walk(100).tolist()
+    return {
+        "batch_per_s": batch.size / batch_s,
+        "batch_over_calls": rows_s / batch_s,
+        "threads_gain": batch_s / clock_s,
+        "models_per_s": len(tables) * walk.size / models_s,
+        "models_over_calls": each_s / models_s,
+        "call_of_100_us": 1e4 * _best(lambda: [operator.simulate(short) for _ in range(100)]),
+        "step_us": 1e4 * _best(lambda: [operator.step(v) for v in inputs]),
+    }
+
+
+def _tables(count: int) -> list[FodTable]:
+    """Tables on one partition of [−1, 1], as draws of a posterior are."""
+    nodes, random = np.linspace(-1, 1, 12), np.random.default_rng(0)
+    mass = random.random((count, 12, 12))
+    below = np.cumsum(np.cumsum(mass, axis=1), axis=2)
+    return [FodTable.from_arrays(nodes, nodes, np.where(np.tri(12, dtype=bool), y, np.nan)) for y in below]
+
+
+def _best_by_clock(job: Callable[[], Any]) -> float:
+    """The least seconds by the clock of three runs."""
+    return min(timeit.repeat(job, number=1, repeat=3))
 
 
 def _best(job: Callable[[], Any], times: int = 3) -> float:

@@ -354,7 +354,9 @@ def test_words_and_tables_of_inputs_are_refused():
     ):
         op.reset("cold")
     with pytest.raises(UsageError, match=r"one-dimensional input, got shape \(2, 2\)"):
-        op.simulate(np.zeros((2, 2)))
+        op.follow(np.zeros((2, 2)))
+    with pytest.raises(UsageError, match="one-dimensional input of numbers"):
+        op.simulate([[1.0, 2.0], [3.0]])
 
 
 HUGE = 10**400  # an integer of 401 digits is no float

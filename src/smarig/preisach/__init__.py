@@ -7,6 +7,7 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.preisach.checked_input import input_array as input_array
     from smarig.preisach.checked_input import input_number as input_number
+    from smarig.preisach.checked_input import input_rows as input_rows
     from smarig.preisach.compiled import compiled_available as compiled_available
     from smarig.preisach.everett import Everett as Everett
     from smarig.preisach.hysteresis.fod_surface import FodSurface as FodSurface
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from smarig.preisach.interval import shift_bounds as shift_bounds
     from smarig.preisach.inverse import InverseSolver as InverseSolver
     from smarig.preisach.inverse import bracketed_root as bracketed_root
+    from smarig.preisach.many_models import simulate_models as simulate_models
     from smarig.preisach.operator import Initial as Initial
     from smarig.preisach.operator import Preisach as Preisach
     from smarig.preisach.sensitivity import sensitivities as sensitivities

@@ -15,10 +15,24 @@ def input_array(u: Sequence[float] | ArrayLike) -> Array:
     """Inputs (n,) as floats. UsageError for another shape, DataError for NaN."""
     inputs = vector(u, "The Preisach operator", "input")
     # The minimum is NaN if any input is; this needs no extra memory.
-    if inputs.size and np.isnan(inputs.min()):
+    if inputs.size and inputs.min() != inputs.min():
         where = int(np.argmax(np.isnan(inputs)))
         raise DataError(f"The input of the Preisach operator is NaN at sample {where}.")
     return inputs
+
+
+def input_rows(u: Sequence[float] | ArrayLike) -> Array:
+    """Inputs (n,), or (n, m) of a batch, as floats. UsageError for another shape, DataError for NaN."""
+    try:
+        rows = np.asarray(u, dtype=float)
+    except NOT_NUMBERS:
+        return input_array(u)  # says what is wrong
+    if rows.ndim != 2:
+        return input_array(rows)
+    if rows.size and rows.min() != rows.min():
+        row, sample = np.argwhere(np.isnan(rows))[0].tolist()
+        raise DataError(f"Input {row} of the batch is NaN at sample {sample}.")
+    return rows
 
 
 def input_number(u: float) -> float:

@@ -128,3 +128,37 @@ def make_compiled_loop(
         return int(top), now, out
 
     return run
+
+
+def make_batch_loop(follow: Callable[..., Any]) -> Callable[..., None]:
+    """A function that follows each row of inputs (n, m) from the same memory, with the loop ``follow``.
+
+    ``batch(params, u, lower, upper, U, K, Y, top, now, out, y)`` writes the outputs into ``y`` (n, m).
+    """
+
+    def batch(params, u, lower, upper, U, K, Y, top, now, out, y):
+        held, room = U.size, U.size + u.shape[1] + 1
+        extrema, keys, outputs = np.empty(room, U.dtype), np.empty(room, K.dtype), np.empty(room, Y.dtype)
+        for i in range(u.shape[0]):
+            extrema[:held], keys[:held], outputs[:held] = U, K, Y
+            follow(params, u[i], u[i], lower, upper, np.nan, extrema, keys, outputs, top, now, out, y[i])
+
+    return batch
+
+
+def make_tables_loop(follow: Callable[..., Any]) -> Callable[..., None]:
+    """A function that follows one row of inputs (m,) with each of many tables on the same nodes, in ``follow``.
+
+    ``tables(params, drops, u, lower, upper, keys, base, now, out, y)``: ``params`` are those of a table without its
+    ``drops`` (n, k); ``base`` and ``out`` (n,) are outputs at saturation and at the present input ``now``.
+    """
+
+    def tables(params, drops, u, lower, upper, key, base, now, out, y):
+        room = u.size + 3
+        U, K, Y = np.empty(room), np.empty(room), np.empty(room)
+        nodes, inner, width = params
+        for i in range(drops.shape[0]):
+            U[0], U[1], K[0], K[1], Y[0], Y[1] = np.inf, lower, key, key, base[i], base[i]
+            follow((nodes, inner, drops[i], width), u, u, lower, upper, np.nan, U, K, Y, 1, now, out[i], y[i])
+
+    return tables

@@ -190,7 +190,7 @@ class Model(NotebookDisplay):
             )
 
     def predict(self, u: ArrayLike, initial: Initial = "negative") -> Array:
-        """Outputs (n,) for inputs u (n,), in the model's units, from an initial state."""
+        """Outputs for inputs u (n,), or (n_inputs, n_samples), in the model's units, each from an initial state."""
         return self.operator().simulate(u, initial)
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:

@@ -83,8 +83,7 @@ class FodTable(DiagonalIntegrals):
     @cached_property
     def keyed(self) -> KeyedEverett:
         """For the loop: an input's key is the number of its cell plus its position in the cell, 0 … n − 1."""
-        drops = np.zeros((self.nodes.size + 1,) * 2)  # F at the nodes, with an unused last cell
-        drops[:-1, :-1] = np.diag(self._filled)[:, None] - self._filled
+        drops = self.drops
         nodes = self.nodes.tolist()
         return KeyedEverett(
             _between,
@@ -93,6 +92,13 @@ class FodTable(DiagonalIntegrals):
             self._places,
             _COMPILED,
         )
+
+    @property
+    def drops(self) -> Array:
+        """F at the nodes (n + 1, n + 1), with an unused last cell."""
+        drops = np.zeros((self.nodes.size + 1,) * 2)
+        drops[:-1, :-1] = np.diag(self._filled)[:, None] - self._filled
+        return drops
 
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β): bilinear between its nodes, linear on the diagonal cells."""

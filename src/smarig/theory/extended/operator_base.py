@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from smarig.core import Array, UsageError
-from smarig.preisach import Everett, Initial, Preisach, State, input_array
+from smarig.preisach import Everett, Initial, Preisach, State, input_rows
 
 
 class SteppedOperator(Protocol):
@@ -42,7 +42,7 @@ class ExtendedOperator:
         return self._read_out(self._memory.step(u))
 
     def simulate(self, u: ArrayLike, initial: Initial = "negative") -> Array:
-        """Outputs (n,) for inputs u (n,)."""
+        """Outputs for inputs u (n,), or (n_inputs, n_samples) of a batch."""
         return simulate_steps(self, u, initial)
 
     def _read_out(self, y: float) -> float:
@@ -51,8 +51,14 @@ class ExtendedOperator:
 
 
 def simulate_steps(model: SteppedOperator, u: Sequence[float] | ArrayLike, initial: Any) -> Array:
-    """Outputs (n,) for inputs u (n,), with monotone moves between samples, from an initial state."""
-    inputs = input_array(u)
+    """Outputs (n,) for inputs u (n,), with monotone moves between samples, from an initial state; rows of a batch each.
+
+    Afterwards the memory is that of the last sample.
+    """
+    inputs = input_rows(u)
+    if inputs.ndim == 2:
+        rows = [simulate_steps(model, row, initial) for row in inputs]
+        return np.array(rows).reshape(inputs.shape)
     model.reset(initial)
     return np.fromiter((model.step(v) for v in inputs.tolist()), dtype=float, count=inputs.size)
 
