@@ -39,7 +39,7 @@ class HeatLossError:
         """What the intervals contain of it."""
         share = f"{100 * CORRELATION:.0f} %"
         if self.reference_K is None:
-            return f"Their intervals contain {share} of doubt of free convection, which moves all of them together."
+            return f"Their intervals contain an uncertainty of {share} in the free convection, common to all of them."
         return (
             f"Their intervals contain what one constant heat loss, stated at {self.reference_K:.4g} K above ambient, "
             "may deviate in still air, which moves all of them together."
