@@ -1,15 +1,17 @@
 """The full heating and cooling branches of a record, paired to cycles, and the branches that are not used.
 
-A full branch runs from one end of the temperature's range to the other. A run of first-order curves has only one full
-branch in one of both directions. For settled readings the other is assembled: each curve that starts at the end of the
-range lies on the major loop up to its first reversal (wiping-out, §3.3.1).
+A full branch runs from one end of the temperature's range to the other. Where an inner loop interrupts it, it goes on
+as if that had not been (wiping-out), so the readings of the loop are left out. A run of first-order curves has only one
+full branch in one of both directions. For settled readings the other is assembled: each curve that starts at the end of
+the range lies on the major loop up to its first reversal (wiping-out, §3.3.1).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.core import Array
 from smarig.measurement import input_noise_sd
@@ -35,6 +37,7 @@ class FullBranch:
     """Readings u and y (n,) in measured order; ``cycle`` counts from 1. ``curves`` it was assembled from, 1 if none.
 
     ``rate_K_per_s`` is the mean rate of the temperature, None if it settled at each reading or if times are not known.
+    ``inner_loops``: the number of inner loops that interrupted it.
     """
 
     direction: str
@@ -43,6 +46,7 @@ class FullBranch:
     y: Array
     curves: int = 1
     rate_K_per_s: float | None = None
+    inner_loops: int = 0
 
     def rising(self) -> tuple[Array, Array]:
         """The readings in the order of rising temperature."""
@@ -79,27 +83,68 @@ def full_branches(record: TemperatureRecord) -> tuple[list[FullBranch], list[Unu
     """The full branches in order, numbered by cycles, and the others."""
     if record.u.size < 3 or np.ptp(record.u) == 0:
         return [], []
-    full, unused = branch_rows(record)
-    branches = list(_in_cycles(record, full))
+    turns = _turns(record)
+    full = _least_interrupted(record.u, _between_ends(record.u, turns), turns)
+    branches = list(_in_cycles(record, full, turns, adjacent=True))
+    if not {b.cycle for b in branches if b.direction == HEATING} & {
+        b.cycle for b in branches if b.direction == COOLING
+    }:
+        branches = list(_in_cycles(record, full, turns, adjacent=False))
     if record.settled:
         branches = _with_assembled(record, branches)
-    return branches, unused
+    outside = [(a, b) for a, b in pairwise(turns) if not any(c <= a and b <= d for c, d in full)]
+    return branches, list(_unused(record.u, outside))
 
 
 def branch_rows(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[UnusedBranch]]:
     """First and last row of each full branch of a record (n,), and the branches that are too short."""
-    u, size = record.u, float(np.ptp(record.u))
-    turns = turning_points(u, _reversal(record) * size)
-    full: list[tuple[int, int]] = []
-    unused: list[UnusedBranch] = []
-    for a, b in pairwise(sorted({0, *turns, u.size - 1})):
-        low, high = float(min(u[a], u[b])), float(max(u[a], u[b]))
-        if low <= u.min() + _FULL * size and high >= u.max() - _FULL * size:
-            full.append((a, b))
-        elif high - low > _AT_END * size:
-            reason = f"it covers {100 * (high - low) / size:.0f} % of the temperature range, so it is not a full one"
-            unused.append(UnusedBranch(direction_of(u, a, b), 0, float(u[a]), float(u[b]), reason))
-    return full, unused
+    full, others = [], []
+    for ends in pairwise(_turns(record)):
+        (full if len({*_ends_at(record.u, ends)} - {None}) == 2 else others).append(ends)
+    return full, list(_unused(record.u, others))
+
+
+def _turns(record: TemperatureRecord) -> list[int]:
+    """The rows at which the temperature turns, with the first and the last."""
+    turns = turning_points(record.u, _reversal(record) * float(np.ptp(record.u)))
+    return sorted({0, *turns, record.u.size - 1})
+
+
+def _ends_at(u: Array, rows: Sequence[int]) -> list[str | None]:
+    """For each row, the end of the range at which it lies: "low", "high" or None."""
+    margin = _FULL * float(np.ptp(u))
+    low, high = float(u.min()) + margin, float(u.max()) - margin
+    return ["low" if u[k] <= low else "high" if u[k] >= high else None for k in rows]
+
+
+def _between_ends(u: Array, turns: Sequence[int]) -> list[tuple[int, int]]:
+    """First and last row of each way from one end of the range to the other, with whatever lies between."""
+    found: list[tuple[int, int]] = []
+    began, last_end = -1, None
+    for row, end in zip(turns, _ends_at(u, turns)):
+        if end is not None:
+            if last_end not in (None, end):
+                found.append((began, row))
+            began, last_end = row, end
+    return found
+
+
+def _least_interrupted(
+    u: Array, full: Sequence[tuple[int, int]], turns: Sequence[int]
+) -> list[tuple[int, int]]:
+    """The branches of each direction that no inner loop interrupts; if it has none of these, all of them."""
+    whole = [ends for ends in full if not any(ends[0] < k < ends[1] for k in turns)]
+    have = {direction_of(u, *ends) for ends in whole}
+    return [ends for ends in full if ends in whole or direction_of(u, *ends) not in have]
+
+
+def _unused(u: Array, branches: Iterable[tuple[int, int]]) -> Iterator[UnusedBranch]:
+    size = float(np.ptp(u))
+    for a, b in branches:
+        share = abs(float(u[b] - u[a])) / size
+        if share > _AT_END:
+            reason = f"it covers {100 * share:.0f} % of the temperature range, so it is not a full one"
+            yield UnusedBranch(direction_of(u, a, b), 0, float(u[a]), float(u[b]), reason)
 
 
 def _reversal(record: TemperatureRecord) -> float:
@@ -113,21 +158,48 @@ def _reversal(record: TemperatureRecord) -> float:
     return float(np.clip(_MARGIN * swing, _REVERSAL, _MOST_REVERSAL))
 
 
-def _in_cycles(record: TemperatureRecord, full: list[tuple[int, int]]) -> Iterator[FullBranch]:
-    """Branches in order; two that follow each other without a gap are one cycle."""
-    cycle, waiting = 0, -1  # the last row of a first branch
+def _in_cycles(
+    record: TemperatureRecord, full: list[tuple[int, int]], turns: Sequence[int], *, adjacent: bool
+) -> Iterator[FullBranch]:
+    """Branches in order; one and its reverse are one cycle, if they follow each other, ``adjacent`` without a gap."""
+    cycle = 0
+    first: tuple[int, int] | None = None
     for a, b in full:
-        second = a == waiting
+        second = (
+            first is not None
+            and direction_of(record.u, *first) != direction_of(record.u, a, b)
+            and (first[1] == a or not adjacent)
+        )
         cycle += not second
-        waiting = -1 if second else b
-        u, y = _averaged(record.u[a : b + 1], record.y[a : b + 1])
-        yield FullBranch(direction_of(record.u, a, b), cycle, u, y, rate_K_per_s=_rate(record, a, b))
+        first = None if second else (a, b)
+        rows, loops = _without_inner_loops(record.u, a, b, [k for k in turns if a < k < b])
+        u, y = _averaged(record.u[rows], record.y[rows])
+        rate = _rate(record, rows)
+        yield FullBranch(direction_of(record.u, a, b), cycle, u, y, rate_K_per_s=rate, inner_loops=loops)
 
 
-def _rate(record: TemperatureRecord, a: int, b: int) -> float | None:
-    if record.t_s is None or not record.t_s[b] > record.t_s[a]:
+def _without_inner_loops(u: Array, a: int, b: int, turns: Sequence[int]) -> tuple[NDArray[np.int64], int]:
+    """The rows from a to b, without those of inner loops, and how many of these there are.
+
+    A loop begins at a turn, and ends where the temperature is back there.
+    """
+    sign, kept, loops = np.sign(u[b] - u[a]), np.ones(b - a + 1, dtype=bool), 0
+    for turn in turns:
+        if not kept[turn - a]:
+            continue
+        back = np.flatnonzero(sign * (u[turn + 1 : b + 1] - u[turn]) >= 0)
+        if back.size and back[0]:
+            kept[turn - a + 1 : turn - a + 1 + back[0]] = False
+            loops += 1
+    return a + np.flatnonzero(kept), loops
+
+
+def _rate(record: TemperatureRecord, rows: NDArray[np.int64]) -> float | None:
+    if record.t_s is None:
         return None
-    return float(abs(record.u[b] - record.u[a]) / (record.t_s[b] - record.t_s[a]))
+    following = np.diff(rows) == 1
+    seconds = float(np.diff(record.t_s[rows])[following].sum())
+    return abs(float(np.diff(record.u[rows])[following].sum())) / seconds if seconds > 0 else None
 
 
 def _averaged(u: Array, y: Array) -> tuple[Array, Array]:

@@ -151,6 +151,7 @@ def run_figures(run: Run) -> RunFigures:
             *record.notes,
             *([note] if (note := lag_note(branches, record.lag_s, "K")) else []),
             *left_out_note(cycles, averaged),
+            *_interruptions(branches),
             *_notes(averaged),
             *_jumps(cycles, record),
             *_gap_notes(gaps, _shown_unit(record.input_unit)),
@@ -257,6 +258,17 @@ def _notes(cycles: Sequence[CycleFigures]) -> list[str]:
             "residual."
         )
     return notes
+
+
+def _interruptions(branches: Sequence[FullBranch]) -> Iterator[str]:
+    """A sentence for each branch that goes on after inner loops."""
+    for b in branches:
+        if b.inner_loops:
+            loops = "an inner loop" if b.inner_loops == 1 else f"{b.inner_loops} inner loops"
+            yield (
+                f"Cycle {b.cycle}, {b.direction}: {loops} interrupted the branch; it goes on where the temperature was "
+                "back, as if the loop had not been."
+            )
 
 
 def _jumps(cycles: Sequence[CycleFigures], record: TemperatureRecord) -> Iterator[str]:
