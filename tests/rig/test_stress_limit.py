@@ -126,3 +126,15 @@ def test_limits_that_make_no_sense(rig, limit, words):
     with pytest.raises(ConfigError, match=words):
         stress_limit(file, actuator)
     assert [words in problem for problem in inconsistencies(file)] == [True]
+
+
+def test_a_bench_of_two_real_wires_needs_a_limit():
+    free = load_rig("two_wire_serial")
+    assert not any("stress_max_MPa" in s for s in inconsistencies(free))  # simulated wires do not break
+    hardware = free.model_copy(update={"simulator": None})
+    problem = next(s for s in inconsistencies(hardware) if "stress_max_MPa is missing" in s)
+    assert "up to 1078 MPa" in problem
+    limits = free.limits.model_copy(update={"stress_max_MPa": 300.0})
+    assert not any("stress_max_MPa" in s for s in inconsistencies(hardware.model_copy(update={"limits": limits})))
+    one = load_rig("bench_one_wire")
+    assert not any("stress_max_MPa" in s for s in inconsistencies(one))

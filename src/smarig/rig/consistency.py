@@ -13,7 +13,7 @@ from smarig.core import (
     suggestion,
 )
 from smarig.device import ATTEMPTS, load_register_map, no_scheme_text
-from smarig.plant import Actuator, load_of
+from smarig.plant import Actuator, load_of, stress_of_phases_MPa
 from smarig.rig.stress_limit import stress_limit
 
 DRIVERS = "smarig.device.drivers"
@@ -45,6 +45,12 @@ def _stress(file: RigFile, actuator: Actuator) -> Iterator[str]:
         stress_limit(file, actuator)
     except ConfigError as wrong:
         yield str(wrong)
+    hardware = file.kind == "bench" and file.simulator is None
+    if hardware and actuator.two_wire and file.limits.stress_max_MPa is None:
+        yield (
+            "limits.stress_max_MPa is missing: two wires that are both hot would pull with up to "
+            f"{stress_of_phases_MPa(2.0):.0f} MPa. Set it, for example to 300."
+        )
 
 
 def _load(file: RigFile, actuator: Actuator) -> Iterator[str]:
