@@ -194,3 +194,12 @@ def test_the_table_of_extras_is_that_of_the_package():
     every = re.fullmatch(r"smarig\[([\w,]+)\]", extras["all"][0])
     assert every is not None
     assert sorted(every[1].split(",")) == sorted(set(told) - {"all"})
+
+
+def test_the_table_of_folders_names_each_package():
+    """In the order of the layers, of which each stands in the table once."""
+    table = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Code structure")[2]
+    named = re.findall(r"`(?:src/smarig/)?(\w+)/`", table.partition("| `benchmarks/`")[0])
+    packages = {p.parent.name for p in (ROOT / "src" / "smarig").glob("*/__init__.py")}
+    assert set(named) >= packages
+    assert all(named.count(name) == 1 for name in packages)

@@ -135,6 +135,8 @@ def test_a_bench_of_two_real_wires_needs_a_limit():
     problem = next(s for s in inconsistencies(hardware) if "stress_max_MPa is missing" in s)
     assert "up to 1078 MPa" in problem
     limits = free.limits.model_copy(update={"stress_max_MPa": 300.0})
-    assert not any("stress_max_MPa" in s for s in inconsistencies(hardware.model_copy(update={"limits": limits})))
+    assert not any(
+        "stress_max_MPa" in s for s in inconsistencies(hardware.model_copy(update={"limits": limits}))
+    )
     one = load_rig("bench_one_wire")
     assert not any("stress_max_MPa" in s for s in inconsistencies(one))
