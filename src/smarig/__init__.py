@@ -13,7 +13,9 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.app import SteppedRun as SteppedRun
+    from smarig.app import fit as fit
     from smarig.app import regulate as regulate
+    from smarig.app import simulate as simulate
     from smarig.app import track as track
     from smarig.core import use_plugin as use_plugin
     from smarig.diagnosis import diagnose as diagnose

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.app.arrays import fit as fit
+    from smarig.app.arrays import simulate as simulate
     from smarig.app.characterisation_runs import campaign_previews as campaign_previews
     from smarig.app.characterise import characterise as characterise
     from smarig.app.characterised_folder import characterised_folder as characterised_folder

@@ -52,6 +52,7 @@ from smarig.replay import (
 
 STILL_COUNTS = 3.0  # a sensor that stands still scatters over two
 LARGEST_SLOPE_WEIGHT = 1000.0
+FOR_ARRAYS = "For rows of inputs and outputs, call smarig.fit(u, y)."
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # narrow bands: threads would wait for each other
@@ -82,6 +83,8 @@ def identify(
     which their inputs are computed; ``reference``, a model of the same wire (or its path), gives its R/hA too. Raises
     UsageError for unknown names, and DataError if the runs contain too little.
     """
+    if not isinstance(surface, str):
+        raise UsageError(f"surface is the name of a kind, got {type(surface).__name__}. {FOR_ARRAYS}")
     _check_words(surface, weights, symmetric, slopes)
     if extension not in extension_names():
         raise UsageError(
@@ -226,6 +229,8 @@ def _check_words(surface: str, weights: str, symmetric: bool, slopes: float) -> 
 
 
 def _loaded(runs: Runs) -> list[Run]:
+    if isinstance(runs, np.ndarray):
+        raise UsageError(f"identify takes runs, or the paths of their files. {FOR_ARRAYS}")
     loaded = loaded_runs(runs)
     if len({file_hash(run) or id(run) for run in loaded}) < len(loaded):
         raise UsageError("The same run was given twice, so its points would count twice. Name each run once.")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from smarig.core import Array, DataError, UsageError, root_mean_square
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.fod_data import first_order_points
+from smarig.identification.identification_result import Identification
 from smarig.identification.measured.load_dependence import expected_rms, is_far
 from smarig.identification.measured.zero_by_load import fitted_zero_slope, zero_slope_of
 from smarig.identification.noise_floor import NoiseFloor, noise_floor
@@ -50,15 +51,22 @@ _NO_POINT_IN_LOOP = (
 
 
 def verify(
-    model: Model | str | Path, runs: Runs, select: str | None = None, *, offset: Offset = "auto"
+    model: Model | Identification | str | Path,
+    runs: Runs,
+    select: str | None = None,
+    *,
+    offset: Offset = "auto",
 ) -> Verification:
     """Compute the errors of a model at the settled points of runs (or paths), each simulated along its whole history.
 
+    ``model``: a model, the result of ``identify``, or the path of a model file.
     ``select`` counts only FOD points for which an expression on curve, alpha, beta holds; the whole history is
     still simulated. A run without settled points is part of the history only, if the model has effects. With ``offset``
     "known", a run with an unknown encoder zero is an error; "fitted" always fits an offset. Raises DataError if units
     differ or the memory of a run is never known.
     """
+    if isinstance(model, Identification):
+        model = model.model
     if not isinstance(model, Model):
         model = load_model(model)
     several = [_with_inputs(model, run) for run in loaded_runs(runs)]

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from smarig.record.run_info import ImportInfo as ImportInfo
     from smarig.record.run_info import RunInfo as RunInfo
     from smarig.record.run_info import SignalInfo as SignalInfo
+    from smarig.record.run_of_arrays import run_of_arrays as run_of_arrays
     from smarig.record.salvage import Salvaged as Salvaged
     from smarig.record.salvage import salvage as salvage
     from smarig.record.salvage import write_salvaged as write_salvaged

@@ -30,6 +30,7 @@ from smarig.core import (
 from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
 from smarig.preisach import Everett, Initial, Preisach, dump_hysteresis, load_hysteresis
+from smarig.record import Run
 from smarig.replay.extended_model import Operator, extended_operator
 from smarig.replay.model_numbers import (
     check_constants,
@@ -191,6 +192,11 @@ class Model(NotebookDisplay):
 
     def predict(self, u: ArrayLike, initial: Initial = "negative") -> Array:
         """Outputs for inputs u (n,), or (n_inputs, n_samples), in the model's units, each from an initial state."""
+        if isinstance(u, Run | str | Path):
+            raise UsageError(
+                "predict takes inputs of the hysteresis. Along a run, call smarig.simulate(model, run); for the errors "
+                "there, smarig.verify(model, run)."
+            )
         return self.operator().simulate(u, initial)
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
