@@ -139,3 +139,8 @@ def test_a_channel_of_one_reading(write):
     table = find_tables(write(scope((50, END_MS + 1))))[0]
     assert table.names == ("time", "fTemp [°C]", "fPos [mm]")
     assert [int(np.isfinite(c.values).sum()) for c in table.columns[1:]] == [END_MS // 50 + 1, 1]
+
+
+def test_comments_above_pairs_belong_to_their_channels(write):
+    table, _, _ = imported(write(scope((50, 50)).replace("SymbolComment", "Kommentar")))
+    assert [column.comment for column in table.columns] == ["", "Pt1000", "Weg"]

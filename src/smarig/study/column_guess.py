@@ -162,6 +162,7 @@ def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
         (found for found in quantities if found[0]), quantities[0] if quantities else ("", False)
     )
     quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
+    commanded = commanded or q.is_remarked_as_commanded(facts.comment)
     unit = known_unit(
         written, temperature=quantity in (q.TEMPERATURE, q.AMBIENT) or label.strip().lower() in ("t", "temp")
     )

@@ -78,8 +78,10 @@ _BRANCH = re.compile(
     re.IGNORECASE,
 )
 _COMMANDED = re.compile(
-    r"\b(set|soll|command|cmd|target|setpoint|demand|reference|ref|consigne|sp\b)|zad|sollwert"
+    r"\b(set|soll|vorgabe|command|cmd|target|setpoint|demand|desired|reference|ref|consign[ea]|sp\b)|zad|sollwert"
 )
+_REMARKED = re.compile(r"set ?point|set value|\bsoll|vorgabe|\bcommand|\btarget|\bdemand|consign[ea]|zadan")
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")  # fSollStrom, TSetpoint
 _BY_DIMENSION = {
     "time": TIME,
     "temperature": TEMPERATURE,
@@ -256,7 +258,25 @@ def quantity_of_name(name: str) -> tuple[str, bool]:
     """
     plain = _plain(name)
     quantity = next((q for q, words in _WORDS if re.search(words, plain)), "")
-    return quantity, bool(_COMMANDED.search(plain))
+    return quantity, is_commanded(name)
+
+
+def is_commanded(text: str) -> bool:
+    """Whether a name says that a value was commanded, and not measured.
+
+    >>> is_commanded("fSollKraft"), is_commanded("MAIN.fActForce"), is_commanded("Consigne"), is_commanded("offset")
+    (True, False, True, False)
+    """
+    return any(_COMMANDED.search(_plain(words)) for words in (text, _CAMEL.sub(" ", text)))
+
+
+def is_remarked_as_commanded(comment: str) -> bool:
+    """Whether the comment of a column says so: its other words may refer to anything.
+
+    >>> is_remarked_as_commanded("Sollwert"), is_remarked_as_commanded("ref. 20 °C, set 3")
+    (True, False)
+    """
+    return _REMARKED.search(_plain(comment)) is not None
 
 
 def is_quotient(name: str) -> bool:

@@ -70,6 +70,7 @@ def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
         if quantity == q.STRESS and any(c.quantity == q.FORCE for c in able) and not hot:
             continue
         if found:
+            found = [c for c in found if not c.commanded] or found
             best = max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
             return axial_strain([best, *found]) if quantity == q.STRAIN else best
     return _output_with_charge(able) or _read_voltage(able)

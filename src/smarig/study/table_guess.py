@@ -323,7 +323,8 @@ def _further_roles(
         elif c.quantity == q.AMBIENT and dimension(c.unit) == "temperature":
             roles[c.name] = Role("ambient", c.quantity_reason, c.quantity_confidence)
         elif drive is not None and c.quantity == drive.quantity == q.CURRENT and (c.commanded or is_grid(c)):
-            roles[c.name] = Role("command", "current on a grid of equal steps: the commanded one", LIKELY)
+            how = "its name or comment says so" if c.commanded else "it lies on a grid of equal steps"
+            roles[c.name] = Role("command", f"the commanded current: {how}", LIKELY)
         elif _with_current(c, drive, columns, roles):
             role = "voltage" if c.quantity == q.VOLTAGE else "temperature"
             roles[c.name] = Role(
@@ -367,8 +368,12 @@ def _new(c: ColumnGuess, columns: Sequence[ColumnGuess], roles: dict[str, Role])
 def _with_current(
     c: ColumnGuess, drive: ColumnGuess | None, columns: Sequence[ColumnGuess], roles: dict[str, Role]
 ) -> bool:
-    """Whether a column is the first voltage or temperature beside a current that drives the wire."""
+    """Whether a column is the first voltage or temperature beside a current that drives the wire; a voltage that stays
+    the same while the current changes is that of the supply.
+    """
     if drive is None or drive.quantity != q.CURRENT or c.quantity not in (q.VOLTAGE, q.TEMPERATURE):
+        return False
+    if c.quantity == q.VOLTAGE and c.facts.constant:
         return False
     before = [g for g in columns if g.name in roles and g.quantity == c.quantity]
     return not before and c.unit_confidence > UNSURE

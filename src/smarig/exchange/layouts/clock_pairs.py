@@ -30,6 +30,7 @@ _UNIT = re.compile(r"units?|einheit", re.IGNORECASE)
 _PERIOD = re.compile(
     r"(?:sampl\w*|abtast)[ _-]?(?:time|period|interval|zeit|intervall)\s*[\[(](\w+)[\])]", re.IGNORECASE
 )
+_COMMENT = re.compile(r".*(comment|kommentar|descr|beschreib|remark|bemerkung|label)\w*", re.IGNORECASE)
 _TIME = re.compile(r"time|zeit", re.IGNORECASE)
 _CLOCK = re.compile(
     r"((?i:time|zeit|timestamp|x[_ ]?value)|t)(\d*\s*\(?\[?.*[\])]|[ _.-].*|\d*)"
@@ -39,7 +40,7 @@ _CLOCK = re.compile(
 @dataclass(frozen=True)
 class _Heading:
     """The lines of a heading, from 0, the sign between cells, and the names of the values and of their clocks;
-    ``stated`` are the period of each channel and its unit, where keys state it.
+    ``stated`` are the period of each channel and its unit, and ``comments`` what is said of each, where keys state it.
     """
 
     first: int
@@ -48,6 +49,7 @@ class _Heading:
     names: tuple[str, ...]
     clocks: tuple[str, ...]
     stated: tuple[tuple[str, ...], str] = ((), "")
+    comments: tuple[str, ...] = ()
 
     @property
     def has_keys(self) -> bool:
@@ -85,7 +87,11 @@ def clock_pairs(path: Path, lines: Sequence[str]) -> LoggedRows:
     for k, cells in values.items():
         out[k] = joined_cells([rows[k][2 * joined.base], *cells], heading.sign)
     clock = f"{heading.clocks[joined.base]}{_unit_of_clock(heading, clocks)}"
-    out[heading.last] = joined_cells([clock, *heading.names], heading.sign)
+    names = heading.last - any(heading.comments)
+    out[names : heading.last + 1] = [
+        joined_cells(cells, heading.sign)
+        for cells in ([clock, *heading.names], ["", *heading.comments])[: heading.last - names + 1]
+    ]
     counts = ", ".join(f"{name} ({clock.size})" for name, clock in zip(heading.names, clocks))
     note = f"The file holds {len(clocks)} channels, each with its own clock: {counts}."
     return LoggedRows(out, (f"{note} {joined.sentence(heading.names[joined.base])}",))
@@ -135,6 +141,7 @@ def _headings(lines: Sequence[str]) -> Iterator[_Heading]:
 def _of_keys(lines: Sequence[str], first: int, sign: str, names: Sequence[str]) -> _Heading:
     """The heading whose rows hold a key and a value for each channel, from that of the names on."""
     last, units, periods, unit = first, [""] * len(names), (), ""
+    comments = [""] * len(names)
     for k in range(first + 1, len(lines)):
         cells = split(lines[k], sign)
         keys = set(cells[::2])
@@ -142,10 +149,12 @@ def _of_keys(lines: Sequence[str], first: int, sign: str, names: Sequence[str]) 
             break
         last, (key,), values = k, keys, [*cells[1::2], *[""] * len(names)][: len(names)]
         units = values if _UNIT.fullmatch(key) else units
+        if _COMMENT.fullmatch(key):
+            comments = [f"{old} {new}".strip() for old, new in zip(comments, values)]
         if match := _PERIOD.fullmatch(key):
             periods, unit = tuple(values), known_unit(match[1])
     named = [f"{name} [{u}]" if u else name for name, u in zip(names, units)]
-    return _Heading(first, last, sign, tuple(named), ("time",) * len(names), (periods, unit))
+    return _Heading(first, last, sign, tuple(named), ("time",) * len(names), (periods, unit), tuple(comments))
 
 
 def _rows(lines: Sequence[str], heading: _Heading) -> dict[int, list[str]]:
