@@ -366,3 +366,11 @@ def test_the_pressure_of_a_gas_is_no_stress(tmp_path, name, is_stress):
     guess = guess_table(table(tmp_path, **columns))
     assert guess.roles[name].role == ("condition" if is_stress else "ignored")
     assert ("[conditions]" in mapping_draft(guess, "m")) == is_stress
+
+
+@pytest.mark.parametrize("name", ["Indice", "Ilfd", "Uid"])
+def test_a_word_with_the_letter_of_a_current_counts_rows(tmp_path, name):
+    columns = {name: np.arange(U.size) + 1, "t [s]": T, "T [°C]": U, "stroke [mm]": X}
+    guess = guess_table(table(tmp_path, **columns))
+    assert [c.name for c in guess.of_role("input")] == ["T [°C]"]
+    assert next(c.quantity for c in guess.columns if c.name == name) == "row number"

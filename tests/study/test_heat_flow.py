@@ -8,7 +8,7 @@ import pytest
 
 from smarig.core import UsageError
 from smarig.study import StudyOptions, study
-from smarig.study.heat_flow_header import exothermic_direction
+from smarig.study.heat_flow_header import HeatFlowHeader, exothermic_direction, heat_flow_header
 from smarig.study.understanding import understand
 from transformation.known_peaks import KnownPeak
 
@@ -66,6 +66,27 @@ def check(cycle, shift=0.0):
         low, high = cycle.figures[name].ci95
         assert low - 0.3 <= value <= high + 0.3, name
         assert high - low < 3.0, name
+
+
+def test_an_export_in_spanish_gives_mass_direction_and_the_temperature_of_the_sample(tmp_path):
+    (up, t1, q1), (down, t2, q2) = branches()
+    u, t, q = np.concatenate([up, down]), 60 * np.concatenate([t1, t2]), 8 * np.concatenate([q1, q2])
+    lines = [
+        "Ensayo: alambre 7",
+        "Masa de referencia (mg): 3,0",
+        "Masa (g): 0,008",
+        "Exotérmico: hacia abajo",
+        "",
+    ]
+    lines.append("Índice;Tiempo (s);Temperatura horno (°C);Temperatura muestra (°C);Flujo de calor (mW)")
+    lines += [f"{k};{a:.2f};{b + 1.5:.3f};{b:.3f};{c:.4f}" for k, (a, b, c) in enumerate(zip(t, u, q))]
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join(lines).replace(".", ",") + "\n", encoding="cp1252")
+    guess = understand([path], StudyOptions()).guesses[0]
+    roles = {c.name: guess.roles[c.name].role for c in guess.columns}
+    assert roles["Temperatura muestra (°C)"] == "input"
+    assert (roles["Índice"], roles["Flujo de calor (mW)"]) == ("ignored", "output")
+    assert heat_flow_header(guess.table) == HeatFlowHeader("down", 8.0)
 
 
 @pytest.mark.parametrize("endothermic", [1.0, -1.0])

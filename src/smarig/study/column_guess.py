@@ -187,7 +187,10 @@ def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
         quantity, reason, confidence = "", "", 0.0  # "charge" is a load in French
     elif by_unit and quantity:
         confidence, reason = STATED, f"its name {shown(label)} and its unit {unit or written}"
-    if quantity == q.DISPLACEMENT and (not q.is_of_motion(written) or (counts_rows(facts) and not unit)):
+    counter = (
+        counts_rows(facts) and not unit and (quantity == q.DISPLACEMENT or q.is_letter_with_index(label))
+    )
+    if counter or (quantity == q.DISPLACEMENT and not q.is_of_motion(written)):
         quantity, reason, confidence = "", "", 0.0
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED

@@ -4,11 +4,24 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from smarig.exchange import FoundTable, preamble_lines
+from smarig.exchange import FoundTable, convert, preamble_lines
 
-_DIRECTION = re.compile(r"\b(exo|endo)[a-z]*\b[^a-z]*(?:direction\b[^a-z]*)?(up|down)\b", re.IGNORECASE)
+_BETWEEN = "direction|dirección|direzione|sens|richtung|vers|le|nach|hacia|verso|il|l"
+_WAYS = {
+    "up": ("up", "haut", "oben", "arriba", "alto"),
+    "down": ("down", "bas", "unten", "abajo", "basso"),
+}
+_DIRECTION = re.compile(
+    rf"\b(exo|endo)\w*\b[^a-z]*(?:(?:{_BETWEEN})\b[^a-z]*)*({'|'.join(sum(_WAYS.values(), ()))})\b",
+    re.IGNORECASE,
+)
 _ARROW = re.compile(r"([\^↑↓])\s*(exo|endo)|(exo|endo)[a-z]*\s*([\^↑↓])", re.IGNORECASE)
-_MASS = re.compile(r"sample (?:mass|weight)\W*(?:mg\W*)?(\d+(?:[.,]\d+)?)", re.IGNORECASE)
+_MASS = re.compile(
+    r"(?:sample (?:mass|weight)|probenmasse|einwaage|(?:masse|masa|massa) (?:de |del |della |de la |de l['’])?"
+    r"(?:[ée]chantillon|muestra|campione)|^\W*(?:mass|masse|masa|massa)\b)"
+    r"\W*(?:([mµu]?g)\b\W*)?(\d+(?:[.,]\d+)?)\s*(?:([mµu]?g)\b)?",
+    re.IGNORECASE,
+)
 _OTHER = {"up": "down", "down": "up"}
 
 
@@ -26,8 +39,13 @@ def heat_flow_header(table: FoundTable) -> HeatFlowHeader:
     The number ``#EXO`` of NETZSCH is not used: sources differ on the meaning of its sign.
     """
     lines = [*table.names, *(f"{k}: {v}" for k, v in table.header.items()), *preamble_lines(table.path)]
-    masses = [float(m[1].replace(",", ".")) for line in lines if (m := _MASS.search(line))]
+    masses = [_milligrams(match) for line in lines if (match := _MASS.search(line))]
     return HeatFlowHeader(exothermic_direction(lines), next((m for m in masses if m > 0), None))
+
+
+def _milligrams(mass: re.Match[str]) -> float:
+    """The mass in the unit that stands before or behind the number, mg without one."""
+    return float(convert(float(mass[2].replace(",", ".")), (mass[1] or mass[3] or "mg").lower(), "mg"))
 
 
 def exothermic_direction(lines: Iterable[str]) -> str:
@@ -35,10 +53,12 @@ def exothermic_direction(lines: Iterable[str]) -> str:
 
     >>> exothermic_direction(["exothermic\\tUp"]), exothermic_direction(["DSC (endo up)"])
     ('up', 'down')
+    >>> exothermic_direction(["Endotherme : vers le haut"]), exothermic_direction(["Exo nach unten"])
+    ('down', 'down')
     """
     for line in lines:
         if match := _DIRECTION.search(line):
-            kind, way = match[1], match[2].lower()
+            kind, way = match[1], next(way for way, words in _WAYS.items() if match[2].lower() in words)
         elif match := _ARROW.search(line):
             kind, way = match[2] or match[3], "down" if (match[1] or match[4]) == "↓" else "up"
         else:

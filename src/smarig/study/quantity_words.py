@@ -39,7 +39,8 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (CYCLE, r"cycle (no|num|count|index)|^cycle$|\bcycles$|^zyklus|^loop$|segment"),
     (
         INDEX,
-        r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no|\bseq\b",
+        r"^ind(ex|ice|eks)$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|"
+        r"^table no|\bseq\b",
     ),
     (
         TIME,
@@ -72,6 +73,9 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (CURRENT, r"current|strom|courant|corriente|^i$|^iz|^i ?\d?$|ampere|^i\w{0,5}$"),
     (VOLTAGE, r"volt|spannung|^u$|^uz|^v$|^v ?\d?[+-]?$|^u ?\d$|tension|^u\w{0,5}$"),
 )
+_LETTERS = re.compile(
+    r"[iu]\w{1,5}", re.IGNORECASE
+)  # a letter of current or voltage, and what may be its index
 _BRANCH = re.compile(
     r"(?<![a-z])(heat(ing)?|cool(ing)?|up|down|forth|back(ward)?|forward|reverse|fwd|bwd|rev|(in|de)creasing|rising|"
     r"falling|(a|de)scending)(?![a-z])",
@@ -279,6 +283,15 @@ def is_remarked_as_commanded(comment: str) -> bool:
     return _REMARKED.search(_plain(comment)) is not None
 
 
+def is_letter_with_index(name: str) -> bool:
+    """Whether a name is the letter of a current or a voltage with an index, as any short word with it may be.
+
+    >>> is_letter_with_index("Iheat"), is_letter_with_index("Strom"), is_letter_with_index("U")
+    (True, False, False)
+    """
+    return _LETTERS.fullmatch(name.strip()) is not None
+
+
 def is_quotient(name: str) -> bool:
     """Whether a name with a stroke is a quotient of two quantities, and no path.
 
@@ -290,9 +303,17 @@ def is_quotient(name: str) -> bool:
 
 def _plain(name: str) -> str:
     """A name in small letters without accents, with one blank for each other sign between its words."""
-    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss").replace("ε", "eps").replace("σ", "sigma"))
-    plain = "".join(c for c in plain if not unicodedata.combining(c)).lower()
+    plain = without_accents(name.replace("ß", "ss").replace("ε", "eps").replace("σ", "sigma")).lower()
     return re.sub(r"[_\s.:-]+", " ", plain).strip()
+
+
+def without_accents(text: str) -> str:
+    """A text with plain letters in place of accented ones.
+
+    >>> without_accents("échantillon")
+    'echantillon'
+    """
+    return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
 
 
 def without_branch(label: str) -> str:

@@ -3,6 +3,7 @@
 import re
 
 from smarig.study.column_guess import ColumnGuess
+from smarig.study.quantity_words import without_accents
 
 IN_INSTRUMENT = 3
 _SPECIMEN = re.compile(
@@ -26,7 +27,7 @@ def distance(c: ColumnGuess) -> int:
     """How far a temperature is from the specimen: 0 at it, 1 where no name says so, 2 in what surrounds it, 3 in the
     instrument that reads the others, 4 for a set-point, which nothing measured.
     """
-    words = re.sub(r"[_\W]+", " ", f"{c.label} {c.facts.comment}")
+    words = re.sub(r"[_\W]+", " ", without_accents(f"{c.label} {c.facts.comment}"))
     if c.commanded:
         return 4
     if _SPECIMEN.search(words):
