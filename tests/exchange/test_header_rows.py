@@ -118,3 +118,18 @@ def test_words_in_columns_of_events_are_no_readings(tmp_path, events):
     assert kinds["Button"] == "text"
     assert kinds["Temp (°C)"] == kinds["Force (N)"] == "number"
     np.testing.assert_allclose(again.columns["Force (N)"][:12], VALUES[:, 1])
+
+
+def test_unknown_words_among_units_are_units(tmp_path):
+    names, units = ("Time", "Load", "Load limit", "Turns"), ("s", "kip", "kip", "laps")
+    wide = [*names, "Oven", "Stage"], [*units, "deg_F", "parsecs"]
+    lines = ["Test\t7\t\t\tmill", *("\t".join(row) for row in wide)]
+    lines += ["\t".join([row, row.split("\t")[0], "7.5"]) for row in rows("\t")]
+    table, _ = found(tmp_path / "a.dat", lines)
+    assert [c.unit for c in table.columns] == wide[1]
+
+
+def test_words_below_names_are_no_units_beside_few_units(tmp_path):
+    lines = ["Zeit;Kraft;Hub;Temp", "s;Kanal 1;links;Draht", *rows(";")]
+    table, _ = found(tmp_path / "a.csv", lines)
+    assert [c.unit for c in table.columns][1:] == ["", "", ""]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.exchange import FoundColumn, FoundTable
+from smarig.exchange import FoundColumn, FoundTable, convert, known_unit
 from smarig.study import guess_table
 from smarig.study.quantity_words import name_and_unit, quantity_of_name
 
@@ -95,3 +95,20 @@ def test_a_strain_in_a_unit_that_is_not_known_is_a_question(tmp_path):
 @pytest.mark.parametrize("name", ["Kraft/N", "rig/T", "dB/dt", "sigma/MPa"])
 def test_other_strokes_are_as_before(name):
     assert quantity_of_name(name_and_unit(name)[0])[0] != "strain"
+
+
+@pytest.mark.parametrize("unit", ["m/m", "%", "µstrain", "in"])
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_an_extensometer_comes_before_what_moves_the_grip(tmp_path, unit, order):
+    columns = {"Actuator position [in]": AXIAL, f"Extensometer 632 [{unit}]": AXIAL}
+    names = list(columns)
+    guess = guess_of(tmp_path, **{names[k]: columns[names[k]] for k in order})
+    assert guess.first("output").name == names[1]
+    assert guess.first("output").quantity == ("displacement" if unit == "in" else "strain")
+
+
+@pytest.mark.parametrize(
+    ("unit", "newtons"), [("lbf", 4.448222), ("kgf", 9.80665), ("kip", 4448.222), ("gf", 9.80665e-3)]
+)
+def test_units_of_force_of_testing_machines_are_known(unit, newtons):
+    assert convert(1.0, known_unit(unit), "N") == pytest.approx(newtons, rel=1e-3)

@@ -171,7 +171,7 @@ def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
     celsius = unit == written.strip() == "C" and not quantity
     if celsius and like_temperature(facts):
         quantity, unit = q.TEMPERATURE, "degC"
-    quantity = q.quantity_in_unit(quantity, unit)
+    quantity = q.quantity_in_unit(quantity, unit, label)
     by_unit = q.RATE if q.is_rate_unit(written) else q.quantity_of_unit(unit)
     confidence = LIKELY if quantity else 0.0
     reason = f"its name {shown(label)}" if quantity else ""

@@ -81,6 +81,7 @@ _BRANCH = re.compile(
     r"falling|(a|de)scending)(?![a-z])",
     re.IGNORECASE,
 )
+_ELONGATION = re.compile(r"extens|elong|allonge")
 _COMMANDED = re.compile(
     r"\b(set|soll|vorgabe|command|cmd|target|setpoint|demand|desired|reference|ref|consign[ea]|sp\b)|zad|sollwert"
 )
@@ -155,6 +156,7 @@ USUAL_UNITS = {  # by quantity, the most usual first
     CHARGE: ("C", "uC", "Ah"),
     DUTY: ("%", "1", "count"),
 }
+_RELATIVE = ("mm/mm", "1e-3", "ppm", "%")  # units of changes of length
 _OF_GASES = ("Torr", "mbar", "hPa", "atm", "bar")  # no stress of a solid is given in them
 _BRACKET = re.compile(r"[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*")
 _EMPTY_BRACKET = re.compile(r"\s*(\[\s*\]|\(\s*\)|<\s*>|\{\s*\})")
@@ -365,11 +367,16 @@ def is_of_motion(written: str) -> bool:
     return not written or not all(known_unit(part) for part in written.split("/"))
 
 
-def quantity_in_unit(quantity: str, unit: str) -> str:
-    """A quantity that its letter names, as its unit tells it from another: a moment in A/m is a magnetisation.
+def quantity_in_unit(quantity: str, unit: str, name: str = "") -> str:
+    """A quantity that its letter names, as its unit tells it from another: a moment in A/m is a magnetisation, and a
+    displacement in mm/mm a strain; a position in % may be one of a valve, unless its name is that of an elongation.
 
     >>> quantity_in_unit(MOMENT, "kA/m"), quantity_in_unit(MOMENT, "emu"), quantity_in_unit(RESISTANCE, "ohm cm")
     ('magnetisation', 'magnetic moment', 'resistivity')
+    >>> quantity_in_unit(DISPLACEMENT, "mm/mm"), quantity_in_unit(DISPLACEMENT, "%", "Extensometer 1")
+    ('strain', 'strain')
     """
+    if quantity == DISPLACEMENT and unit in _RELATIVE:
+        return STRAIN if unit != "%" or _ELONGATION.search(_plain(name)) else quantity
     other = {(MOMENT, "magnetic field"): MAGNETISATION, (RESISTANCE, "resistivity"): RESISTIVITY}
     return other.get((quantity, dimension(unit)), quantity)

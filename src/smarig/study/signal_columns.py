@@ -1,5 +1,6 @@
 """Chooses the columns of input and output by their quantities; a load that was held is neither."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -51,6 +52,7 @@ _MECHANICAL = (  # what was measured at the specimen, before the current or volt
     q.PRESSURE,
 )
 SENSOR_SIGNALS = (q.VOLTAGE, q.CURRENT)
+_EXTENSOMETER = re.compile(r"extens[oó]m|estensim|dehnungsaufnehmer|feindehn", re.IGNORECASE)
 
 
 def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str | None) -> ColumnGuess | None:
@@ -71,9 +73,15 @@ def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
             continue
         if found:
             found = [c for c in found if not c.commanded] or found
-            best = max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
+            best = max(found, key=lambda c: (*_certainty(c), -able.index(c)))
             return axial_strain([best, *found]) if quantity == q.STRAIN else best
     return _output_with_charge(able) or _read_voltage(able)
+
+
+def _certainty(c: ColumnGuess) -> tuple[bool, bool, bool]:
+    """How sure a column is what its quantity says; an extensometer sits at the specimen."""
+    at_specimen = c.quantity == q.DISPLACEMENT and _EXTENSOMETER.search(c.label) is not None
+    return not c.by_numbers, c.unit_confidence > UNSURE, at_specimen
 
 
 def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:

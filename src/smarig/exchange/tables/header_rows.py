@@ -189,6 +189,22 @@ def units_in(row: Sequence[str], columns: Sequence[str]) -> list[str]:
     return [cell if kind != CLOCK and is_unit(unbracketed(cell)) else "" for cell, kind in zip(row, columns)]
 
 
+def stated_units(
+    row: Sequence[str], names: Sequence[str], columns: Sequence[str], style: NumberStyle
+) -> Sequence[str]:
+    """The units in a row below the names: all its cells if it is one of units, and where most of them are units, the
+    other words below names too, each a unit that is not known.
+    """
+    if is_units_row(row):
+        return row
+    known = units_in(row, columns)
+    named = [bool(cell and name) for cell, name in zip(row, names)]
+    if 2 * sum(map(bool, known)) <= sum(named):
+        return known
+    words = [n and kind != CLOCK and style.kind(cell) == TEXT for cell, n, kind in zip(row, named, columns)]
+    return [cell if word else unit for cell, word, unit in zip(row, words, known)]
+
+
 def filled_from(names: Sequence[str], below: Sequence[str]) -> list[str]:
     """The names, with those of the row of units where they have none: "Time(ms)" stands there alone."""
     rest = [*below[: len(names)], *[""] * (len(names) - len(below))]

@@ -16,9 +16,9 @@ from smarig.exchange.tables.header_rows import (
     header_rows,
     listed_names,
     names_each,
+    stated_units,
     unbracketed,
     unique_names,
-    units_in,
 )
 from smarig.exchange.tables.number_style import NumberStyle
 from smarig.exchange.tables.rare_texts import rare_texts
@@ -28,7 +28,7 @@ from smarig.exchange.text.header_words import has_bracketed_units, words_below
 from smarig.exchange.text.interruptions import names_columns
 from smarig.exchange.text.no_reading import is_missing
 from smarig.exchange.text.table_rows import rows_end
-from smarig.exchange.units.written_units import is_units_row, without_markup
+from smarig.exchange.units.written_units import without_markup
 
 FEWEST_ROWS = 3  # of a table
 
@@ -205,7 +205,7 @@ def _block(
     filled = filled_from(written, below)
     names, own = unique_names(filled, width)
     own = own or filled != written or (header is not None and rows[header] is not original[header])
-    units = [without_markup(cell) for cell in (below if is_units_row(below) else units_in(below, columns))]
+    units = [without_markup(cell) for cell in stated_units(below, written, columns, style)]
     units = [unbracketed(cell) for cell in units] + [""] * (len(names) - len(units))
     last = unit_row if unit_row is not None or header is None else header
     comments = _comments(rows[last + 1 : first], len(names)) if last is not None else ()
