@@ -78,3 +78,17 @@ def test_steps_of_a_method_are_no_names(tmp_path, step, delimiter):
     path.write_text(path.read_text("utf-16").replace("StartOfData\n", "").replace("\t", delimiter), "utf-16")
     (table,) = find_tables(path)
     assert table.names == NAMES
+
+
+@pytest.mark.parametrize(
+    "remark", ["# REM by hand, with the lid open", "# REM two", "see the notes for more"]
+)
+def test_a_remark_below_the_list_is_no_header(tmp_path, remark):
+    names = ("Setting of stage B", "Reading of stage B", "Drive 3")
+    head = [*(f"# NAME{k} = {name}" for k, name in enumerate(names)), "#", remark, "# END_HEADER"]
+    rows = [f"{t:g} {u:g} {x:g}" for t, u, x in zip(T, U, X)]
+    path = tmp_path / "a.dat"
+    path.write_text("\n".join(["# DIM = 3", *head, *rows]) + "\n")
+    (table,) = find_tables(path)
+    assert table.names == names
+    np.testing.assert_allclose(table.columns[1].values, U)

@@ -194,7 +194,9 @@ def _block(
         header, unit_row = stacked.row, first - 1
     end, listed = listed_names(rows, first, lines, width, style)
     stated = listed and has_bracketed_units(listed)
-    plain = header is not None and (not stated or names_each(rows[header], width, style))
+    plain = header is not None and (
+        names_each(rows[header], width, style) or (not stated and len(rows[header]) == width)
+    )
     if listed and (header is None or header < end or not plain):  # a header below the list counts
         names = unique_names(listed, width)[0]
         return FoundBlock(None, first, stop, names, ("",) * width, columns, True, no_reading=no_reading)
