@@ -51,3 +51,11 @@ def test_a_commanded_stroke_is_no_output():
 def test_a_supply_is_no_voltage_of_the_wire():
     columns = {"time [s]": T, "I [A]": CURRENT, "U link [V]": 48 + NOISE, "stroke [mm]": X}
     assert not guess_table(table_of(**columns)).of_role("voltage")
+
+
+@pytest.mark.parametrize(
+    "name", ["Position Error", "Following error", "Schleppfehler Weg", "Erreur de position"]
+)
+def test_what_a_controller_has_left_is_no_output(name):
+    columns = {"time [s]": T, "T [°C]": U, f"{name} [mm]": 3 - X, "position [mm]": X}
+    assert [c.name for c in guess_table(table_of(**columns)).of_role("output")] == ["position [mm]"]

@@ -172,7 +172,8 @@ def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
     if celsius and like_temperature(facts):
         quantity, unit = q.TEMPERATURE, "degC"
     quantity = q.quantity_in_unit(quantity, unit, label)
-    by_unit = q.RATE if q.is_rate_unit(written) else q.quantity_of_unit(unit)
+    by_unit = q.STRAIN if q.is_strain_unit(written) else q.quantity_of_unit(unit)
+    by_unit = q.RATE if q.is_rate_unit(written) else by_unit
     confidence = LIKELY if quantity else 0.0
     reason = f"its name {shown(label)}" if quantity else ""
     stated_by: Literal["", "name", "unit", "clock"] = "name" if quantity else ""

@@ -24,7 +24,11 @@ HELD = (*LOADS, TEMPERATURE)  # conditions of a run, if they are held in it
 _OF_LENGTHS = r"(\bd|\bdelta|δ|∆) ?l ?/ ?l"  # ΔL/L0
 
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
-    (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
+    (
+        SCATTER,
+        r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit|"
+        r"(position|follow\w*|track\w*|control|servo|loop) err|regelabweich|schleppfehler|erreur de|error de",
+    ),
     (STATUS, r"status"),  # "Field Status (code)" is no field
     (
         RATE,
@@ -365,6 +369,17 @@ def is_of_motion(written: str) -> bool:
     if unit:
         return dimension(unit) in ("length", "ratio", "raw counts")
     return not written or not all(known_unit(part) for part in written.split("/"))
+
+
+def is_strain_unit(written: str) -> bool:
+    """Whether a unit as it is written says that a ratio is a strain.
+
+    >>> is_strain_unit("microstrain"), is_strain_unit("µm/m"), is_strain_unit("ppm"), is_strain_unit("%")
+    (True, True, False, False)
+    """
+    unit = known_unit(written)
+    of_lengths = "/" in written and unit in ("mm/mm", "ppm")
+    return of_lengths or (unit == "ppm" and re.search("strain|[εɛ]", written.lower()) is not None)
 
 
 def quantity_in_unit(quantity: str, unit: str, name: str = "") -> str:

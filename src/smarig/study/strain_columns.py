@@ -12,22 +12,26 @@ from smarig.study.column_guess import ColumnGuess
 _ALONG = re.compile(
     r"axial|longitud|l(ä|ae)ngs|tensile|zugrichtung|extensom|(\bd|\bdelta|Δ|∆) ?l ?/ ?l", re.IGNORECASE
 )
-_ACROSS = re.compile(r"lateral|transver|quer|radial|\bdiam|shear|scher|\be(xy|yz|xz)\b", re.IGNORECASE)
+_OTHER = re.compile(  # across the load, or of a gauge that no load strains
+    r"lateral|transver|quer|radial|\bdiam|shear|scher|\be(xy|yz|xz)\b|"
+    r"dummy|compens|kompens|\bspare\b|unloaded|unbelastet",
+    re.IGNORECASE,
+)
 _SAME_RANGE = 0.5  # least ratio of the ranges of two strains that show one motion
 
 
 def axial_strain(strains: Sequence[ColumnGuess]) -> ColumnGuess:
     """The first strain that is along the load, as its name or its agreement with one that is named so says; the first
-    one that is not across it where nothing says so.
+    one that is neither across it nor of a gauge without load where nothing says so.
     """
-    able = [c for c in strains if not _is_named(_ACROSS, c)] or list(strains)
+    able = [c for c in strains if not _is_named(_OTHER, c)] or list(strains)
     along = next((c for c in able if _is_named(_ALONG, c)), able[0])
     return next(c for c in able if c is along or _agree(c, along))
 
 
 def other_strains(out: ColumnGuess, strains: Sequence[ColumnGuess]) -> list[ColumnGuess]:
     """The strains that differ from that of the output, where no name says which of them is along the load."""
-    able = [c for c in strains if not _is_named(_ACROSS, c)]
+    able = [c for c in strains if not _is_named(_OTHER, c)]
     if any(_is_named(_ALONG, c) for c in able):
         return []
     return [

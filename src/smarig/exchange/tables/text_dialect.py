@@ -14,6 +14,7 @@ from smarig.exchange.layouts.table_lines import table_lines
 from smarig.exchange.tables.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.tables.late_thousands import with_late_thousands
 from smarig.exchange.tables.lost_rows import without_lost_rows
+from smarig.exchange.tables.stated_columns import stated_columns
 from smarig.exchange.tables.table_file import read_table
 from smarig.exchange.tables.table_structure import (
     FEWEST_ROWS,
@@ -207,17 +208,18 @@ def _table(
     table = without_lost_rows(read_table(path, layout))
     begin = max((b.stop for b in blocks if b.stop <= block.first), default=0)
     before = lines[begin : block.first if block.header is None else block.header]
+    head = lines[: block.first if block.header is None else block.header]
+    stated = stated_columns(block.names, head, dialect.rows(head))
+    units = _units(block, dialect, lines[: block.first])
+    comments = dict(zip(block.names, block.comments))
+    for name, unit, comment in zip(block.names, stated.units, stated.comments):
+        units[name] = units[name] or unit
+        comments[name] = " ".join(filter(None, (comments.get(name), comment)))
     return FoundTable(
         path=path,
         format="csv",
         name=_name(block, blocks) if len(blocks) > 1 else "",
-        columns=found_columns(
-            path,
-            table,
-            _units(block, dialect, lines[: block.first]),
-            kinds,
-            dict(zip(block.names, block.comments)),
-        ),
+        columns=found_columns(path, table, units, kinds, comments),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]) | dict(block.constants),
         above=rows_above(dialect.rows(before), block),
