@@ -158,6 +158,11 @@ def names_each(row: Sequence[str], width: int, style: NumberStyle) -> bool:
     return words and not is_units_row(row) and all(style.kind(cell) == TEXT for cell in row)
 
 
+def has_cells(row: Sequence[str], width: int) -> bool:
+    """Whether a row has as many cells as there are columns, a sign of comments not counted."""
+    return len(row) == width and (not row[0] or bool(_COMMENT.sub("", row[0])))
+
+
 def listed_names(
     rows: Sequence[Sequence[str]], first: int, lines: Sequence[str], width: int, style: NumberStyle
 ) -> tuple[int, list[str]]:

@@ -12,6 +12,7 @@ from smarig.exchange.tables.found_table import CLOCK, NUMBER, TEXT
 from smarig.exchange.tables.header_rows import (
     HEADER_ROWS,
     filled_from,
+    has_cells,
     header_cells,
     header_rows,
     listed_names,
@@ -194,9 +195,8 @@ def _block(
         header, unit_row = stacked.row, first - 1
     end, listed = listed_names(rows, first, lines, width, style)
     stated = listed and has_bracketed_units(listed)
-    plain = header is not None and (
-        names_each(rows[header], width, style) or (not stated and len(rows[header]) == width)
-    )
+    plain = header is not None and has_cells(rows[header], width)
+    plain = plain and (not stated or names_each(rows[header or 0], width, style))
     if listed and (header is None or header < end or not plain):  # a header below the list counts
         names = unique_names(listed, width)[0]
         return FoundBlock(None, first, stop, names, ("",) * width, columns, True, no_reading=no_reading)
