@@ -69,3 +69,72 @@ def test_a_second_held_load_is_no_second_condition(tmp_path):
     (guess,) = understand([path], StudyOptions()).guesses
     assert [c.name for c in guess.of_role("condition")] == ["Load 1 (N)"]
     import_tables([guess], tmp_path / "out", None, "cells")
+
+
+LABELS = [
+    "Latest: {};Take 4: {};Take 5: {}",
+    "a7_{};a8_{};a12_{}",
+    "{} (dry);{} (wet);{} (oiled)",
+    "{};{}.1;{}.2",
+]
+
+
+def labelled(tmp_path, pattern, records):
+    names = [form.format(name) for form in pattern.split(";") for name in NAMES]
+    lines = [";".join(names)]
+    for k in range(max(ROWS)):
+        lines.append(";".join(f"{x[k]:.4f}" if k < x.size else "" for record in records for x in record))
+    path = tmp_path / "pulls.txt"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("pattern", LABELS)
+def test_blocks_whose_names_differ_by_a_label_are_records(tmp_path, pattern):
+    records = list(specimens())
+    found = understand([labelled(tmp_path, pattern, records)], StudyOptions(accept=True))
+    for guess, record in zip(found.guesses, records, strict=True):
+        used = {role: guess.first(role).name for role in ("time", "input", "output")}
+        assert sorted(used.values()) == sorted(NAMES)
+        np.testing.assert_allclose(
+            guess.table.columns[guess.table.names.index("Force")].values, record[1], atol=1e-4
+        )
+    tables, left_out = import_tables(found.guesses, tmp_path / "out", None, "pulls")
+    assert not left_out
+    assert [len(table.run["input"]) for table in tables] == list(ROWS)
+
+
+def test_records_have_the_names_of_their_labels(tmp_path):
+    found = understand([labelled(tmp_path, LABELS[0], list(specimens()))], StudyOptions(accept=True))
+    assert [guess.table.name for guess in found.guesses] == ["Latest", "Take 4", "Take 5"]
+
+
+def test_a_column_that_is_named_with_its_label_stays_in_one_table(tmp_path):
+    path = labelled(tmp_path, LABELS[1], list(specimens()))
+    (guess,) = understand([path], StudyOptions(accept=True, input="a8_Stroke", output="a8_Force")).guesses
+    assert (guess.first("input").name, guess.first("output").name) == ("a8_Stroke", "a8_Force")
+
+
+def test_blocks_without_a_clock_are_no_records(tmp_path):
+    path = labelled(tmp_path, "{} 1;{} 2;{} 3", list(specimens()))
+    path.write_text(path.read_text().replace("Time", "Field"))
+    assert len(understand([path], StudyOptions(accept=True)).guesses) == 1
+
+
+@pytest.mark.parametrize("words", ["heating;cooling", "Up;Down"])
+def test_labels_of_branches_are_no_records(tmp_path, words):
+    pattern = ";".join(f"{word} {{}}" for word in words.split(";"))
+    path = labelled(tmp_path, pattern, list(specimens(turning=False))[:2])
+    assert len(understand([path], StudyOptions(accept=True)).guesses) == 1
+
+
+def test_blocks_of_a_sheet_are_records(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    records, book = list(specimens()), openpyxl.Workbook()
+    book.active.append([f"Go {k}: {name}" for k in range(3) for name in NAMES])
+    for k in range(max(ROWS)):
+        book.active.append([float(x[k]) if k < x.size else None for record in records for x in record])
+    book.save(tmp_path / "pulls.xlsx")
+    found = understand([tmp_path / "pulls.xlsx"], StudyOptions(accept=True))
+    tables, _ = import_tables(found.guesses, tmp_path / "out", None, "pulls")
+    assert [len(table.run["input"]) for table in tables] == list(ROWS)

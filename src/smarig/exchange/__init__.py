@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from smarig.exchange.tables.forc_file import read_forc as read_forc
     from smarig.exchange.tables.found_table import FoundColumn as FoundColumn
     from smarig.exchange.tables.found_table import FoundTable as FoundTable
+    from smarig.exchange.tables.labelled_blocks import LabelledBlock as LabelledBlock
+    from smarig.exchange.tables.labelled_blocks import labelled_blocks as labelled_blocks
     from smarig.exchange.tables.plane_table import PlaneTable as PlaneTable
     from smarig.exchange.tables.plane_table import plane_table as plane_table
     from smarig.exchange.tables.preamble import preamble_lines as preamble_lines

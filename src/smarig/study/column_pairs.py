@@ -10,8 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from smarig.core import Array
-from smarig.exchange import FoundColumn, FoundTable
+from smarig.exchange import FoundColumn, FoundTable, LabelledBlock, labelled_blocks
 from smarig.study.input_turns import wide_turns
+from smarig.study.quantity_words import without_branch
 from smarig.study.row_parts import table_of_rows
 from smarig.study.stated_conditions import conditions_in_comments
 from smarig.study.table_guess import TableGuess, guess_table
@@ -21,15 +22,17 @@ _FEWEST = 2  # columns of a group, and groups of a table
 
 
 def tables_of_pairs(table: FoundTable, named: Collection[str | None] = ()) -> list[FoundTable]:
-    """A table for each group of columns whose names and units repeat; the table itself if none do.
+    """A table for each group of columns whose names and units repeat, but for a label; the table itself if none do.
 
     The columns of the other groups are kept behind the own ones as texts, so that a mapping lists them. Groups of
     single branches, without a load or a clock of their own, may be the branches of one loop: they stay together. So do
     all if the user has ``named`` a column of a later group.
     """
     groups = _groups(table)
+    if len(groups) < _FEWEST:
+        return _labelled_records(table, named) or [table]
     chosen = {column.name for group in groups[1:] for column in group} & set(named)
-    if len(groups) < _FEWEST or chosen:
+    if chosen:
         return [table]
     guesses = [guess_table(_part(table, group)) for group in groups]
     if not (_have_own_clocks(guesses) or all(map(_is_run, groups, guesses))):
@@ -52,6 +55,48 @@ def _groups(table: FoundTable) -> list[tuple[FoundColumn, ...]]:
         if width % period == 0 and written == written[:period] * (width // period):
             return [table.columns[k : k + period] for k in range(0, width, period)]
     return [table.columns]
+
+
+def _labelled_records(table: FoundTable, named: Collection[str | None]) -> list[FoundTable]:
+    """A table for each block of columns whose names differ by a label from those of the others, if each is a record: it
+    has a clock, an input and an output. None if the labels are those of branches, which may be one loop, or if the user
+    has ``named`` a column with its label: it is in one table.
+    """
+    blocks = labelled_blocks(table.names)
+    of_branches = any(block.label and not without_branch(block.label) for block in blocks)
+    if not blocks or of_branches or not _places(table) or set(table.names) & set(named):
+        return []
+    width = len(blocks[0].names)
+    units = {tuple(c.unit for c in table.columns[k : k + width]) for k in range(0, len(table.columns), width)}
+    found = [_labelled_record(table, blocks, number) for number in range(len(blocks))]
+    guesses = [guess_table(record) for record in found]
+    complete = all(guess.first(role) for guess in guesses for role in ("time", "input", "output"))
+    return found if complete and len(units) == 1 else []
+
+
+def _places(table: FoundTable) -> str:
+    """The part of the layout in which a mapping may name the columns in their order; "" if none does."""
+    of_text = "header_line" in table.layout.get("file", {})
+    return "file" if of_text else "workbook" if "workbook" in table.layout else ""
+
+
+def _labelled_record(table: FoundTable, blocks: Sequence[LabelledBlock], number: int) -> FoundTable:
+    """The table of one block, whose columns have their names without the label; those of the others keep it."""
+    titles = [block.label or f"columns {k + 1}" for k, block in enumerate(blocks)]
+    names = [f"{title}: {name}" for title, each in zip(titles, blocks) for name in each.names]
+    width = len(blocks[0].names)
+    own = slice(number * width, (number + 1) * width)
+    names[own] = blocks[number].names
+    columns = [replace(column, name=name) for column, name in zip(table.columns, names)]
+    others = [replace(column, kind="text") for column in (*columns[: own.start], *columns[own.stop :])]
+    place = _places(table)
+    found = replace(
+        table,
+        name=f"{table.name} {titles[number]}".strip(),
+        columns=(*columns[own], *others),
+        layout={**table.layout, place: table.layout[place] | {"names": names}},
+    )
+    return table_of_rows(found, _filled(columns[own]))
 
 
 def _plain(name: str, names: Sequence[str]) -> str:

@@ -12,6 +12,7 @@ from smarig.exchange.layouts.channel_rows import check_one_channel
 from smarig.exchange.layouts.json_document import no_table_in
 from smarig.exchange.layouts.table_lines import table_lines
 from smarig.exchange.tables.found_table import CLOCK, TEXT, FoundTable, found_columns
+from smarig.exchange.tables.labelled_blocks import labelled_blocks
 from smarig.exchange.tables.late_thousands import with_late_thousands
 from smarig.exchange.tables.lost_rows import without_lost_rows
 from smarig.exchange.tables.stated_columns import stated_columns
@@ -281,9 +282,8 @@ def _entries(
         number = sum(line.startswith(start) for line in lines[: block.header + 1])
         entries |= {"header_starts": start, "table": number}
         return entries | _units_rows(block)
-    return entries | (
-        _at_line(block) if block.own_names or not _found_by_name(lines, block) else _units_rows(block)
-    )
+    placed = block.own_names or not _found_by_name(lines, block) or labelled_blocks(block.names)
+    return entries | (_at_line(block) if placed else _units_rows(block))
 
 
 def _found_by_name(lines: Sequence[str], block: FoundBlock) -> bool:
