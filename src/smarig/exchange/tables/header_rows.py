@@ -164,12 +164,18 @@ def has_cells(row: Sequence[str], width: int) -> bool:
 
 
 def listed_names(
-    rows: Sequence[Sequence[str]], first: int, lines: Sequence[str], width: int, style: NumberStyle
+    rows: Sequence[Sequence[str]],
+    kinds: Sequence[str],
+    first: int,
+    lines: Sequence[str],
+    width: int,
+    style: NumberStyle,
 ) -> tuple[int, list[str]]:
     """The names that numbered lines before a table list, as "Sig1 Time (min)", one for each column, from 1 or 0 on; and
-    the row after the last of them.
+    the row after the last of them. Rows of a table before it are none.
     """
-    begin = max(first - HEADER_WITHIN, 0)
+    near = range(max(first - HEADER_WITHIN, 0), first)
+    begin = max((k + 1 for k in near if kinds[k] == "data"), default=near.start)
     texts = [lines[k] if lines else "\t".join(rows[k]) for k in range(begin, first)]
     found = [_LISTED.fullmatch(_COMMENT.sub("", text).strip()) for text in texts]
     lists: list[tuple[int, list[str]]] = []

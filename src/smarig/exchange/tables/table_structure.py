@@ -193,7 +193,7 @@ def _block(
     header, unit_row = header_rows(rows, kinds, first, columns, style)
     if stacked is not None and header == first - 1:  # the units are no names
         header, unit_row = stacked.row, first - 1
-    end, listed = listed_names(rows, first, lines, width, style)
+    end, listed = listed_names(rows, kinds, first, lines, width, style)
     stated = listed and has_bracketed_units(listed)
     plain = header is not None and has_cells(rows[header], width)
     plain = plain and (not stated or names_each(rows[header or 0], width, style))
