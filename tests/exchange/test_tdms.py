@@ -12,6 +12,7 @@ from smarig.core import DataError, MissingExtra, UsageError
 from smarig.exchange import find_tables, import_file
 from smarig.record import load_run
 from smarig.study import StudyOptions, guess_table, mapping_draft, study
+from smarig.study.stated_conditions import stated_conditions
 
 skip_without("nptdms", extra="tdms")
 
@@ -62,6 +63,54 @@ def test_each_group_is_a_table_and_texts_and_other_lengths_are_left_out(tmp_path
         ("two", ("Temperature", "Displacement"), 90),
     ]
     assert len(tables) == 2
+
+
+def channel(group, name, values, step, start, **properties):
+    clock = {"wf_increment": step, "wf_start_time": np.datetime64("2021-05-04T08:00:00") + start}
+    return ChannelObject(group, name, np.asarray(values), properties=clock | properties)
+
+
+def test_channels_of_several_clocks_are_joined_on_time(tmp_path):
+    late = np.timedelta64(1000, "ms")
+    path = tmp_path / "a.tdms"
+    with TdmsWriter(path) as writer:
+        writer.write_segment(
+            [
+                channel("Run", "Dev1/ai3", U[2::4], 2.0, late, unit_string="degC", NI_ChannelName="bath"),
+                channel("Run", "Dev2/ai0", X, 0.5, 0 * late, unit_string="mV/V"),
+            ]
+        )
+    (table,) = find_tables(path)
+    clock, bath, ratio = table.columns
+    np.testing.assert_allclose(clock.values, 0.5 * np.arange(ROWS))
+    np.testing.assert_array_equal(ratio.values, X)
+    np.testing.assert_array_equal(bath.values[2::4], U[2::4])
+    assert np.isfinite(bath.values).sum() == U[2::4].size
+    assert (bath.comment, ratio.comment) == ("bath", "")
+
+
+def test_loads_in_names_and_two_rates_give_the_right_channels(tmp_path):
+    rng = np.random.default_rng(3)
+    path = tmp_path / "rig.tdms"
+    with TdmsWriter(path) as writer:
+        for load, name in ((2.0, "2 lbf"), (3.5, "3.5 lbf")):
+            x = -7 + load * X + rng.normal(0, 0.01, ROWS)
+            supply = 5 + rng.normal(0, 1e-3, ROWS)
+            room = 22 + rng.normal(0, 0.02, U[::2].size)
+            channels = {"a0": (x, 1, "mV/V"), "b0": (U[::2], 2, "deg C"), "b1": (room, 2, "deg C")}
+            for own, (values, step, unit) in (channels | {"a1": (supply, 1, "V")}).items():
+                at = np.timedelta64(0, "s")
+                writer.write_segment([channel(name, own, values, float(step), at, unit_string=unit)])
+    tables = find_tables(path)
+    for table, load in zip(tables, (2.0, 3.5), strict=True):
+        guess = guess_table(table)
+        assert [c.name for role in ("time", "input", "output") for c in guess.of_role(role)] == [
+            "time",
+            "b0",
+            "a0",
+        ]
+        assert not guess.doubts
+        assert stated_conditions(guess)["load"][:2] == (load, "lbf")
 
 
 def test_channels_of_times_and_an_own_time(tmp_path):

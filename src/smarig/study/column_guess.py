@@ -26,7 +26,7 @@ _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 toge
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
 _LAST_S = 2.0**32  # from 1970: no clock of 32 bits goes on
 _OF_TEMPERATURE = re.compile(r"dT|[Tt]emp|heating|cooling|[°K]C?\s*/|degC\s*/")
-VALUE_IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
+VALUE_IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|kgf|gf|lbf|degC|°C|C|Hz)(?![A-Za-z])")
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,7 +267,8 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
         loaded = any(g.quantity == q.STRESS for g in out)
         most = max(abs(guess.facts.low), abs(guess.facts.high))
         hot = any(g.quantity == q.TEMPERATURE for g in out)
-        if (hot and most < _STRAIN_MM) or (loaded and most < _STRAIN_PERCENT):
+        may_be_strain = not guess.unit or dimension(guess.unit) == "ratio"
+        if may_be_strain and ((hot and most < _STRAIN_MM) or (loaded and most < _STRAIN_PERCENT)):
             reason = "its range is that of a strain" + (" beside a stress" if loaded else "")
             out[out.index(guess)] = _found(guess, q.STRAIN, reason, 0.7)
         elif hot and not guess.facts.constant and _may_move(guess.facts):
@@ -316,7 +317,7 @@ def _value_in_name(f: ColumnFacts, files: Sequence[str]) -> str:
     for text in files:
         for value, unit in VALUE_IN_NAME.findall(text):
             if abs(float(value.replace(",", ".")) - mean) <= 0.05 * abs(mean):
-                return {"MPa": q.STRESS, "N": q.FORCE, "Hz": "frequency"}.get(unit, q.TEMPERATURE)
+                return "frequency" if unit == "Hz" else q.quantity_of_unit(unit) or q.TEMPERATURE
     return ""
 
 

@@ -362,12 +362,12 @@ def is_of_motion(written: str) -> bool:
     """Whether a unit as written may be that of a motion: none, a length, a ratio, counts, or one that is not known at
     all. One of known parts, as V/mA, is no motion.
 
-    >>> is_of_motion(""), is_of_motion("mm"), is_of_motion("a.u."), is_of_motion("V/mA"), is_of_motion("mA.h")
+    >>> is_of_motion(""), is_of_motion("mV/V"), is_of_motion("a.u."), is_of_motion("V/mA"), is_of_motion("mA.h")
     (True, True, True, False, False)
     """
     unit = known_unit(written)
     if unit:
-        return dimension(unit) in ("length", "ratio", "raw counts")
+        return dimension(unit) in ("length", "ratio", "raw counts", "voltage ratio")
     return not written or not all(known_unit(part) for part in written.split("/"))
 
 

@@ -99,6 +99,8 @@ def _read_voltage(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     power, was commanded, or leads the temperature.
     """
     voltages = [c for c in able if c.quantity == q.VOLTAGE]
+    if all(map(is_noise, voltages)):
+        return None  # a supply
     warm = next((c for c in able if c.quantity == q.TEMPERATURE), None)
     heated = len(voltages) > 1 or any(c.quantity in (q.CURRENT, q.POWER, q.DUTY) for c in able)
     if not voltages or warm is None or heated or voltages[0].commanded:

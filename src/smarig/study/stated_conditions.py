@@ -120,7 +120,8 @@ def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
     >>> conditions_in_name("wire_150MPa")
     {'stress': (150.0, 'MPa')}
     """
-    names = {"MPa": ("stress", "MPa"), "N": ("load", "N"), "Hz": ("frequency", "Hz")}
+    names = {"MPa": ("stress", "MPa"), "Hz": ("frequency", "Hz")}
+    names |= {unit: ("load", unit) for unit in ("N", "kgf", "gf", "lbf")}
     found = {}
     for value, unit in VALUE_IN_NAME.findall(stem):
         if unit in names:

@@ -1,8 +1,9 @@
-"""Reads groups of LabVIEW TDMS files with npTDMS: the channels of one length, their units, and their common clock."""
+"""Reads groups of LabVIEW TDMS files with npTDMS: the channels, their units, and their common clock."""
 
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from smarig.core import Array, DataError, UsageError, shown
 from smarig.exchange.binary.needed_package import needed_package
+from smarig.exchange.layouts.joined_clocks import joined_clocks
 from smarig.exchange.mappings.mapping import MappingFile, require_columns
 from smarig.exchange.mappings.mapping_layouts import TdmsLayout
 from smarig.exchange.tables.found_table import FoundColumn, FoundTable
@@ -18,6 +20,7 @@ from smarig.exchange.tables.text_table import Table, missing_notes
 MAX_VALUES = 50_000_000  # of all channels
 MAX_GROUPS = 1000
 CLOCK = "time"  # name of the column of the clock that a group's channels share
+_LABEL_KEYS = ("NI_ChannelName", "description")
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 
 
@@ -89,19 +92,45 @@ def _damaged(path: Path, why: str) -> DataError:
 
 
 def _columns(path: Path, group: Any) -> tuple[FoundColumn, ...]:
-    """The clock and the numeric channels of the most frequent length in a group."""
+    """The clock and the numeric channels of a group. Channels whose waveforms have other clocks are joined on time;
+    without a clock, only those of the most frequent length have common rows.
+    """
     numeric = [channel for channel in group.channels() if channel.dtype.kind in "iufbM" and len(channel) >= 2]
     lengths = [len(channel) for channel in numeric]
     usual = max(set(lengths), key=lambda n: (lengths.count(n), n), default=0)
-    channels = [channel for channel in numeric if len(channel) == usual]
-    columns = [FoundColumn(channel.name, *_read(path, channel)) for channel in channels]
-    clocks = {(c.properties.get("wf_increment"), c.properties.get("wf_start_offset", 0.0)) for c in channels}
-    if len(clocks) == 1 and CLOCK not in [column.name for column in columns]:
-        step, start = clocks.pop()
-        if step:
-            clock = float(start) + float(step) * np.arange(usual, dtype=np.float64)
-            columns.insert(0, FoundColumn(CLOCK, "s", clock.astype(np.float64)))
+    named = CLOCK in [channel.name for channel in numeric]
+    clocked = [] if named else [channel for channel in numeric if channel.properties.get("wf_increment")]
+    if not clocked or any(len(channel) == usual and channel not in clocked for channel in numeric):
+        return tuple(_column(path, channel) for channel in numeric if len(channel) == usual)
+    clocks = _clocks(clocked)
+    joined = joined_clocks(clocks)
+    columns = [FoundColumn(CLOCK, "s", clocks[joined.base])]
+    for channel, rows in zip(clocked, joined.rows):
+        column = _column(path, channel)
+        values = np.full(clocks[joined.base].size, np.nan)
+        values[rows[rows >= 0]] = column.values[rows >= 0]
+        columns.append(replace(column, values=values))
     return tuple(columns)
+
+
+def _clocks(channels: Sequence[Any]) -> list[Array]:
+    """The times of the readings of each channel, in seconds from the earliest start, if all starts are written."""
+    starts = [channel.properties.get("wf_start_time") for channel in channels]
+    known = all(isinstance(start, np.datetime64) for start in starts)
+    begin = [float((start - min(starts)) / np.timedelta64(1, "s")) if known else 0.0 for start in starts]
+    return [
+        start
+        + float(channel.properties.get("wf_start_offset", 0.0))
+        + float(channel.properties["wf_increment"]) * np.arange(len(channel), dtype=np.float64)
+        for start, channel in zip(begin, channels)
+    ]
+
+
+def _column(path: Path, channel: Any) -> FoundColumn:
+    """A channel with its unit and the name that people gave it, where the name is that of a terminal."""
+    unit, values = _read(path, channel)
+    label = next((str(channel.properties[k]) for k in _LABEL_KEYS if channel.properties.get(k)), "")
+    return FoundColumn(channel.name, unit, values, comment="" if label == channel.name else label)
 
 
 def _read(path: Path, channel: Any) -> tuple[str, Array]:

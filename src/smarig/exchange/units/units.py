@@ -30,6 +30,12 @@ _PLAIN: dict[str, tuple[str, float, float]] = {
     "%": ("ratio", 1e-2, 0.0),
     "1e-3": ("ratio", 1e-3, 0.0),
     "ppm": ("ratio", 1e-6, 0.0),
+    "V/V": ("voltage ratio", 1.0, 0.0),  # of a bridge or an LVDT: output by excitation
+    "mV/V": ("voltage ratio", 1e-3, 0.0),
+    "uV/V": ("voltage ratio", 1e-6, 0.0),
+    "kgf": ("force", 9.80665, 0.0),
+    "gf": ("force", 9.80665e-3, 0.0),
+    "lbf": ("force", 4.4482216152605, 0.0),
     "bar": ("stress or pressure", 0.1, 0.0),
     "mbar": ("stress or pressure", 1e-4, 0.0),
     "hPa": ("stress or pressure", 1e-4, 0.0),
