@@ -55,6 +55,36 @@ def test_pairs_without_a_load_are_runs_too(tmp_path, comments):
     assert [len(g.table) for g in understand([path], StudyOptions()).guesses] == [300, 280, 260]
 
 
+@pytest.mark.parametrize("labels", [("Name", "Unit", "Remark", "f(x) ="), (None,) * 4])
+def test_pairs_of_a_sheet_beside_a_count_of_rows_and_a_curve_of_its_own(tmp_path, labels):
+    openpyxl = pytest.importorskip("openpyxl", reason="needs openpyxl (extra 'files')")
+    columns, loads = pairs(loads=LOADS[:2]), load_comments(LOADS[:2])
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.append([None, "A(X)", "B(Y)", "C(X)", "D(Y)", "E(Y)"])
+    rows = [
+        ["Temp", "Strain"] * 2 + ["dS/dT"],
+        [r"\+(o)C", "%"] * 2 + ["%/K"],
+        [*loads, "smooth"],
+        [None] * 4 + ["diff"],
+    ]
+    for label, row in zip(labels, rows, strict=True):
+        sheet.append([label, *row])
+    for k in range(max(u.size for u, _ in columns)):
+        cells = [float(x[k]) if k < x.size else None for pair in columns for x in pair]
+        sheet.append([k + 1, *cells, float(np.sin(k))])
+    book.create_chartsheet("Plot", 0).add_chart(openpyxl.chart.ScatterChart())
+    book.save(path := tmp_path / "book.xlsx")
+    result = study([path], tmp_path / "out", StudyOptions(diagnose=False))
+    assert len(result.tables) == 2
+    for table, (u, y), load in zip(result.tables, columns, LOADS):
+        known = np.isfinite(table.run["input"])
+        np.testing.assert_allclose(table.run["input"][known], u, atol=1e-9)
+        np.testing.assert_allclose(table.run["position"][known], y, atol=1e-9)
+        assert table.run.unit == "%"
+        assert table.run.info.conditions["stress"]["mean"] == load
+
+
 def test_single_branches_side_by_side_stay_together(tmp_path):
     u = np.linspace(20, 110, 80)
     columns = [(u, displacements(u)), (u[::-1], displacements(u[::-1]))]

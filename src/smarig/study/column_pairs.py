@@ -11,6 +11,7 @@ import numpy as np
 
 from smarig.core import Array
 from smarig.exchange import FoundColumn, FoundTable, LabelledBlock, labelled_blocks
+from smarig.study.column_facts import column_facts, counts_rows
 from smarig.study.input_turns import wide_turns
 from smarig.study.quantity_words import without_branch
 from smarig.study.row_parts import table_of_rows
@@ -46,14 +47,25 @@ def comment_of(columns: Sequence[FoundColumn]) -> str:
 
 
 def _groups(table: FoundTable) -> list[tuple[FoundColumn, ...]]:
-    """The columns in groups of the shortest period of their names and units; one group if there is none."""
-    written = [(_plain(column.name, table.names), column.unit) for column in table.columns]
-    width = len(written)
-    if "header_line" not in table.layout.get("file", {}):
+    """The columns in groups of the shortest period of their names and units; one group if there is none. A counter of
+    rows in front and columns of other names behind are in no group.
+    """
+    if not _has_heading(table):
         return [table.columns]
-    for period in range(_FEWEST, width // 2 + 1):
-        if width % period == 0 and written == written[:period] * (width // period):
-            return [table.columns[k : k + period] for k in range(0, width, period)]
+    columns = table.columns[_counters(table) :]
+    written = [(_plain(column.name, table.names), column.unit) for column in columns]
+    for period in range(_FEWEST, len(written) // 2 + 1):
+        number = next(
+            (
+                k
+                for k in range(1, len(written) // period)
+                if written[k * period :][:period] != written[:period]
+            ),
+            len(written) // period,
+        )
+        behind = written[number * period :]
+        if number >= _FEWEST and len(behind) < period and not set(behind) & set(written[:period]):
+            return [columns[k * period :][:period] for k in range(number)]
     return [table.columns]
 
 
@@ -97,6 +109,18 @@ def _labelled_record(table: FoundTable, blocks: Sequence[LabelledBlock], number:
         layout={**table.layout, place: table.layout[place] | {"names": names}},
     )
     return table_of_rows(found, _filled(columns[own]))
+
+
+def _counters(table: FoundTable) -> int:
+    """The number of columns in front that count the rows."""
+    facts = map(column_facts, table.columns)
+    return next((k for k, f in enumerate(facts) if not counts_rows(f)), 0)
+
+
+def _has_heading(table: FoundTable) -> bool:
+    """Whether names stand in a row above the numbers of a text or a sheet."""
+    text, sheet = (table.layout.get(key, {}) for key in ("file", "workbook"))
+    return "header_line" in text or sheet.get("header_row", 0) > 0
 
 
 def _plain(name: str, names: Sequence[str]) -> str:
@@ -145,14 +169,18 @@ def _table_of(table: FoundTable, groups: Sequence[tuple[FoundColumn, ...]], numb
         for k in order
         for column, name in zip(groups[k], new[k])
     ]
-    entries = table.layout["file"] | {"names": [name for k in range(len(groups)) for name in new[k]]}
+    grouped = {column.name for group in groups for column in group}
+    columns += [replace(column, kind="text") for column in table.columns if column.name not in grouped]
+    renamed = {old: own for k, group in enumerate(names) for old, own in zip(group, new[k])}
+    key = next(key for key in ("file", "workbook") if key in table.layout)
+    entries = table.layout[key] | {"names": [renamed.get(name, name) for name in table.names]}
     titles = _titles(table, groups)
     title = comment_of(groups[number]) or (titles[number] if titles else f"columns {number + 1}")
     found = replace(
         table,
         name=f"{table.name} {title}".strip(),
         columns=tuple(columns),
-        layout={**table.layout, "file": entries},
+        layout={**table.layout, key: entries},
     )
     rows = _filled(groups[number])
     return found if rows == slice(0, len(table)) else table_of_rows(found, rows)
@@ -160,8 +188,8 @@ def _table_of(table: FoundTable, groups: Sequence[tuple[FoundColumn, ...]], numb
 
 def _titles(table: FoundTable, groups: Sequence[Sequence[FoundColumn]]) -> list[str]:
     """What a row above the names says of each group, as names of specimens; [] unless it differs for each."""
-    width = len(groups[0])
-    for row in table.above:
+    width, start = len(groups[0]), _counters(table)
+    for row in (row[start:] for row in table.above):
         cells = [list(filter(None, row[k * width : (k + 1) * width])) for k in range(len(groups))]
         titles = [" ".join(words) for words in cells]
         if all(len(words) == 1 for words in cells) and len(set(titles)) == len(titles):

@@ -21,6 +21,11 @@ _KEY = re.compile(r"#[A-Z]\d*\s+(?=\S)")  # "#N 2" and "#L Field  Moment", where
 _HEADER_SIGNS = (ALIGNED, ";", ",", r"\|", r"\s+")
 # Sig1 Time (min); # 2: Force [N]
 _LISTED = re.compile(r"(\D{0,40}?)\s*(\d{1,4})\s*(?:[:=.)\]\t,;]|\s)\s*(\S.*)")
+# In the first cell of a row, as plotting programs write them:
+_NAMES_LABEL = re.compile(
+    r"(?:long[ _]?|column[ _]?|channel[ _]?)?names?|langname|bezeichnung|noms?", re.IGNORECASE
+)
+_UNITS_LABEL = re.compile(r"units?|einheit(?:en)?|unit[éà]s?", re.IGNORECASE)
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 
@@ -94,6 +99,8 @@ def header_rows(
     A row that names each column counts more than a nearer one that leaves columns out or calls several the same.
     """
     width = len(columns)
+    if (labelled := _labelled_rows(rows, kinds, first)) is not None:
+        return labelled
     above = _rows_above(rows, kinds, first, width)
     wide = [k for k in above if _fills(rows[k], width) or is_units_row(rows[k])]
     if wide and len(rows[wide[0]]) < width and kinds[first - 1] == "text" and wide[0] < first - 1:
@@ -122,6 +129,19 @@ def header_rows(
     if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
         return wide[1], wide[0]
     return wide[0], None
+
+
+def _labelled_rows(rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int) -> tuple[int, int] | None:
+    """The rows of names and units next to each other, if words in their first cells say so, as "Long Name" and "Units";
+    rows of other labels, as "Comments" and "F(x)=", may follow.
+    """
+    for k in range(first - 1, 0, -1):
+        if kinds[k] == "data":
+            break
+        starts = [row[0].rstrip(" :=") if row else "" for row in rows[k - 1 : k + 1]]
+        if _NAMES_LABEL.fullmatch(starts[0]) and _UNITS_LABEL.fullmatch(starts[1]):
+            return k - 1, k
+    return None
 
 
 def _rows_above(rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, width: int) -> list[int]:
