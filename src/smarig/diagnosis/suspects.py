@@ -12,7 +12,14 @@ MATCHES: dict[FindingKind, str] = {
 }
 # A model takes noise for reversals, and the others were mended: no effect looks so.
 NO_SUSPECTS: frozenset[FindingKind] = frozenset(
-    {"noisy input", "impossible readings", "disagreeing sensors", "restarted clock", "other starting state"}
+    {
+        "noisy input",
+        "impossible readings",
+        "frozen readings",
+        "disagreeing sensors",
+        "restarted clock",
+        "other starting state",
+    }
 )
 
 

@@ -17,6 +17,7 @@ FindingKind = Literal[
     "repeated times",
     "noisy input",
     "impossible readings",
+    "frozen readings",
     "disagreeing sensors",
     "restarted clock",
     "other starting state",

@@ -17,7 +17,7 @@ from smarig.study.imported_runs import ImportedTable
 from smarig.study.input_turns import wide_turns
 from smarig.study.runs_by_condition import differing, numeric_conditions
 
-_MASKED: tuple[FindingKind, ...] = ("disagreeing sensors", "impossible readings")
+_MASKED: tuple[FindingKind, ...] = ("disagreeing sensors", "impossible readings", "frozen readings")
 _MENDED: tuple[FindingKind, ...] = (*_MASKED, "restarted clock", "other starting state")
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data

@@ -16,6 +16,7 @@ from smarig.exchange.checks.findings import (
     repeated_rows,
     saturation_marks,
 )
+from smarig.exchange.checks.frozen_readings import without_frozen
 from smarig.exchange.checks.loop_faults import LoopRecord, loop_findings
 from smarig.exchange.checks.time_axis import (
     check_time,
@@ -75,6 +76,10 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     conditions, constant = _conditions(path, table, mapping)
     odd = _compare_sensors(path, table, mapping, columns)
     columns["input"] = columns[mapping.input.channel]
+    if "position" in columns and mapping.steps != "rows":
+        unit = mapping.unit_of("position")
+        columns["position"], stuck = without_frozen(unit, columns["input"], columns["position"], line)
+        odd += stuck
     units = {channel: mapping.unit_of(channel) for channel in columns if channel not in ("t_s", "step")}
     columns["quality"] = saturation_marks(columns, units)
     findings = [
