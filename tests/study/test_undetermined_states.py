@@ -65,6 +65,15 @@ def test_a_turn_inside_the_fitted_loop_is_missing_knowledge(tmp_path, kind, turn
     assert not any("changed" in s for s in result.reasons)
 
 
+def test_a_split_within_an_inner_loop_does_not_hide_missing_knowledge(tmp_path):
+    """One model of both parts is that of the whole record: the split adds no curve by which it is smoothed."""
+    u = path((25, 95, 25, 69, 55, 95, 25), rows=150)
+    result = studied(tmp_path, u, output("on a line", u))
+    assert result.undetermined is not None
+    assert result.undetermined.explains
+    assert not any("changed" in s for s in result.reasons)
+
+
 def test_the_diagnosis_does_not_take_it_for_a_cause(tmp_path):
     u = path(PATHS["inner turn"])
     result = studied(tmp_path, u, output("on a line", u), diagnose=True)

@@ -63,6 +63,18 @@ def test_an_unknown_memory_is_reported():
         Observations.of_runs([made_run([], [], initial="")])
 
 
+def test_the_parts_of_one_record_have_the_curves_of_the_whole():
+    u = np.array([-10.0, 10.0, -10.0, 4.0, -3.0, 3.0, -10.0, 10.0, -10.0])
+    y, meta = np.tanh(u), {"start_epoch": 5.0}
+    whole = made_run(u, y, **meta)
+    parts = [made_run(u[:4], y[:4], **meta), made_run(u[4:], y[4:], initial="continued", **meta)]
+    parts[1].columns["t_s"] += parts[0]["t_s"][-1] + 1.0
+    found, expected = Observations.of_runs(parts), Observations.of_runs([whole])
+    np.testing.assert_array_equal(found.curve, expected.curve)
+    apart = Observations.of_runs([parts[0], made_run(u[4:], y[4:], name="b.run.sqlite")])
+    assert not set(apart.curve[:4]) & set(apart.curve[4:])
+
+
 def test_first_order_points_are_the_same_either_way():
     run = driven_run("one_e", fod_inputs(PARTITION["one"]), seed=1)
     as_run, data = Observations.of_runs([run]), fod_data([run])

@@ -91,10 +91,16 @@ class Observations:
 
     @classmethod
     def of_runs(cls, runs: Sequence[Run]) -> "Observations":
-        """Every point with a known memory of runs of any protocol; a curve is an excursion, out and back."""
+        """Every point with a known memory of runs of any protocol; a curve is an excursion, out and back. Runs that
+        continue each other are one record, whose excursions go on.
+        """
         lower, upper, records = memory_histories(runs)
-        parts = [cls._of_history(record, (lower, upper), runs[0].unit) for record in records]
-        whole = joined_observations(parts)
+        curves = _curves(records, MIN_REVERSAL * (upper - lower))
+        parts = [
+            cls._of_history(record, curve, (lower, upper), runs[0].unit)
+            for record, curve in zip(records, curves)
+        ]
+        whole = joined_observations(parts, curves_go_on=True)
         if not len(whole):
             raise DataError(
                 "No point of the runs has a known memory. Start a run in negative saturation, or let it "
@@ -103,9 +109,10 @@ class Observations:
         return replace(whole, known=tuple(len(part) for part in parts))
 
     @classmethod
-    def _of_history(cls, history: MemoryHistory, ends: tuple[float, float], unit: str) -> "Observations":
+    def _of_history(
+        cls, history: MemoryHistory, curve: Integers, ends: tuple[float, float], unit: str
+    ) -> "Observations":
         known = {k: state for k, state in enumerate(history.states) if state is not None}
-        curve = excursions(history.inputs, MIN_REVERSAL * (ends[1] - ends[0]))
         rows = list(known)
         found = cls.of_states(list(known.values()), history.outputs[rows], curve[rows], ends, unit)
         return replace(found, passed=np.setdiff1d(history.turns, history.inputs))
@@ -209,6 +216,24 @@ class Observations:
         return csr_matrix(chosen @ vstack([_released_row(triangle, *move) for move in moves]))
 
 
+def _curves(records: Sequence[MemoryHistory], min_reversal: float) -> list[Integers]:
+    """The number of the excursion of each input of each record; those of different records differ, unless one continues
+    the other.
+    """
+    chains: list[list[MemoryHistory]] = []
+    for record in records:
+        if record.continued:
+            chains[-1].append(record)
+        else:
+            chains.append([record])
+    found, first = list[Integers](), 0
+    for chain in chains:
+        number = first + excursions(np.concatenate([record.inputs for record in chain]), min_reversal)
+        first = int(number.max(initial=first - 1)) + 1
+        found += np.split(number, np.cumsum([record.inputs.size for record in chain])[:-1])
+    return found
+
+
 def excursions(u: Array, min_reversal: float) -> Integers:
     """The number of the excursion of each input (k,): out to a turning point and back.
 
@@ -254,8 +279,10 @@ def branches(u: Array, min_reversal: float) -> Integers:
     return number
 
 
-def joined_observations(parts: Iterable[Observations]) -> Observations:
-    """Several sets with one range joined; curves and offsets of different sets stay different."""
+def joined_observations(parts: Iterable[Observations], *, curves_go_on: bool = False) -> Observations:
+    """Several sets with one range joined; curves and offsets of different sets stay different, unless the numbers of
+    their curves go on.
+    """
     parts = [part for part in parts if len(part)] or list(parts)[:1]
     row = curve = zero = 0
     shifted = []
@@ -263,7 +290,7 @@ def joined_observations(parts: Iterable[Observations]) -> Observations:
         shifted.append(
             replace(
                 part,
-                curve=part.curve + curve,
+                curve=part.curve + (0 if curves_go_on else curve),
                 zero=np.where(part.zero == COMMON, COMMON, part.zero + zero),
                 term=part.term + row,
                 released=tuple((k + row, ell, u, sign) for k, ell, u, sign in part.released),
