@@ -25,7 +25,7 @@ from smarig.study.data_split import LOAD, DataSplit
 _ONE_MODEL = "one model of all loads"
 _POSITIVE = "positive measure"
 SCATTER_OF_REPEATS, NOISE_OF_A_READING = "scatter of repeats", "noise of a reading"
-_WORSE = 2.0  # times the error of the fit: clearly worse
+WORSE = 2.0  # times the error of the fit: clearly worse
 EXTENDED = "extended model of the diagnosis"
 PROPORTIONAL_PART = "positive measure and a part proportional to the input"
 _NOT_PLAIN = (_ONE_MODEL, EXTENDED, PROPORTIONAL_PART)
@@ -60,7 +60,7 @@ class CandidateModel:
     @property
     def misses_held_out(self) -> bool:
         """Whether held-out data are clearly worse than fitted ones."""
-        return self.rms > _WORSE * self.train_rms
+        return self.rms > WORSE * self.train_rms
 
 
 def noise_of_repeats(runs: Sequence[RunVerification]) -> tuple[float, str] | None:

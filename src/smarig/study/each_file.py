@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from smarig.core import SmarigError, StorageError, UsageError, atomic_file, file
 from smarig.exchange import FileChangedError
 from smarig.report import LIBRARY, write_library
 from smarig.study.data_files import NOT_DATA, find_files
+from smarig.study.other_zeros import other_zeros
 from smarig.study.parallel import completed
 from smarig.study.studies_page import studies_page
 from smarig.study.study import plain, study
@@ -23,6 +24,7 @@ class FileOutcome:
     """What became of one file: its folder, the JSON object of its study, or the reason of its failure.
 
     ``left_out``: why the file was not tried. ``reused``: an earlier result with equal file and options was kept.
+    ``other_zero`` says how its zero differs from that of another file with the same loop, "" if it does not.
     """
 
     file: str
@@ -31,6 +33,7 @@ class FileOutcome:
     failure: str = ""
     left_out: str = ""
     reused: bool = False
+    other_zero: str = ""
 
     @property
     def failed(self) -> bool:
@@ -77,6 +80,8 @@ def study_each(
         progress(f"{len(outcomes)} of {len(tasks)} files are done and kept; the same command continues.")
         raise
     ordered = [outcomes[task[0]] for task in tasks]
+    zeros = other_zeros(ordered)
+    ordered = [replace(outcome, other_zero=zeros.get(outcome.file, "")) for outcome in ordered]
     ordered += [FileOutcome(str(file), "", left_out=NOT_DATA) for file in found.left_out]
     _write(out / STUDY_PAGE, studies_page(ordered, out.name))
     _write(out / STUDY_JSON, json.dumps(plain(studies_json(ordered, out)), indent=1, ensure_ascii=False))
@@ -107,6 +112,7 @@ def studies_json(outcomes: Sequence[FileOutcome], out: Path) -> dict[str, Any]:
         "studied": sum(o.found is not None for o in outcomes),
         "failed": {o.file: o.failure for o in outcomes if o.failed},
         "left_out": {o.file: o.left_out for o in outcomes if o.left_out},
+        "other_zeros": {o.file: o.other_zero for o in outcomes if o.other_zero},
         "reused": sum(o.reused for o in outcomes),
         "studies": [o.found for o in outcomes if o.found is not None],
     }

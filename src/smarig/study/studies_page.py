@@ -47,7 +47,7 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     items = [(word.capitalize(), *_counted("model", verdicts[word])) for word in ("good", "fair", "poor")]
     items += [("Without an output", *_counted("file", verdicts[None]))] if verdicts[None] else []
     items += [("Failed", *_counted("file", len(failed)))]
-    sections = [Section("", "Result", [cards(items), *_look_first(done)])]
+    sections = [Section("", "Result", [cards(items), *_look_first(done), *_other_zeros(done)])]
     if done:
         words = "Output against input as recorded, vermilion rising and blue falling; each loop has axes of its own."
         sections.append(Section("The loop of every file", "Loops", [_gallery(done), paragraph(words)]))
@@ -64,6 +64,12 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     tried = len(done) + len(failed)
     lead = f"{len(done)} of {tried} files were studied, each on its own page, in the order of their names"
     return page(f"Studies of {name}", lead, sections)
+
+
+def _other_zeros(done: "Sequence[FileOutcome]") -> list[Html]:
+    """Which files hold the loop of another one with another zero of the output."""
+    texts = [o.other_zero for o in done if o.other_zero]
+    return [bullets(texts)] if texts else []
 
 
 def _counted(noun: str, count: int) -> tuple[str, str]:

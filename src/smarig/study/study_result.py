@@ -48,6 +48,7 @@ from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.noise_of_input import noise_by_input
+from smarig.study.other_zeros import zeros_of_held_out
 from smarig.study.study_json import study_json
 from smarig.study.study_sentences import (
     LEVEL_WORDS,
@@ -322,6 +323,8 @@ class StudyResult:
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
         found = [*column_hints(self.understood, of_mapping=self.mapping is not None), *mended(self.tables)]
+        if self.evaluation is not None and self.split is not None:
+            found += zeros_of_held_out(self.split, self.evaluation.best)
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(NO_TIME)

@@ -143,7 +143,8 @@ def _each(
         raise UsageError(f"None of the {tried} files could be studied; {out / 'index.html'} says why.")
     failed = f", {len(found['failed'])} failed" if found["failed"] else ""
     failed += f"; {len(found['left_out'])} left out, not data" if found["left_out"] else ""
-    emit(found, f"{found['studied']} of {tried} files studied{failed}. Page: {out / 'index.html'}")
+    last = f"{found['studied']} of {tried} files studied{failed}. Page: {out / 'index.html'}"
+    emit(found, "\n".join([*found["other_zeros"].values(), last]))
 
 
 def _columns_text(result: "StudyResult") -> str:
