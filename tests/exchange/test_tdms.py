@@ -56,6 +56,7 @@ def test_each_group_is_a_table_and_texts_and_other_lengths_are_left_out(tmp_path
         "one": CHANNELS | {"short": (U[:50], "V")},
         "two": {name: (values[:90], unit) for name, (values, unit) in CHANNELS.items()},
         "alone": {"Temperature": (U, "degC")},
+        "comments": {"Operator": (np.array(["Li", "Roy"]), "")},
     }
     tables = find_tables(written(tmp_path / "a.tdms", groups, step=0))
     assert [(t.name, t.names, len(t)) for t in tables[:2]] == [
@@ -87,6 +88,12 @@ def test_channels_of_several_clocks_are_joined_on_time(tmp_path):
     np.testing.assert_array_equal(bath.values[2::4], U[2::4])
     assert np.isfinite(bath.values).sum() == U[2::4].size
     assert (bath.comment, ratio.comment) == ("bath", "")
+    draft = tmp_path / "m.toml"
+    draft.write_text(mapping_draft(guess_table(table), "m"), encoding="utf-8")
+    report = import_file(path, format="tdms", out=tmp_path / "a.run.sqlite", mapping=str(draft))
+    (told,) = [f.text for f in report.findings if "The rows are the readings of" in f.text]
+    assert "'Dev2/ai0', and those of another stand in the row that is nearest in time" in told
+    assert not any("empty or NaN" in f.text for f in report.findings)
 
 
 def test_loads_in_names_and_two_rates_give_the_right_channels(tmp_path):

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -27,7 +27,7 @@ _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 def tdms_tables(path: Path) -> list[FoundTable]:
     """A table for each group of two numeric channels or more of one length; DataError if there is none."""
     with _opened(path) as file:
-        groups = [(group, _columns(path, group)) for group in file.groups()[:MAX_GROUPS]]
+        groups = [(group, _rows(path, group).columns) for group in file.groups()[:MAX_GROUPS]]
         headers = {group.name: _texts(file.properties) | _texts(group.properties) for group, _ in groups}
     tables = {group.name: columns for group, columns in groups if len(columns) >= 2}
     if not tables:
@@ -56,10 +56,11 @@ def read_tdms(path: Path, mapping: MappingFile, layout: TdmsLayout) -> Table:
             raise UsageError(
                 f"{path} has no group {shown(layout.group)}. Its groups are: {', '.join(groups)}."
             )
-        columns = {column.name: column.values for column in _columns(path, groups[layout.group])}
+        found = _rows(path, groups[layout.group])
+        columns = {column.name: column.values for column in found.columns}
     require_columns(mapping, list(columns), path, "channel")
     rows = next(iter(columns.values())).size
-    return Table(columns, np.arange(1, rows + 1), {}, tuple(missing_notes(columns)))
+    return Table(columns, np.arange(1, rows + 1), {}, found.notes)
 
 
 @contextmanager
@@ -91,7 +92,15 @@ def _damaged(path: Path, why: str) -> DataError:
     return DataError(f"{path} is no TDMS file, or is damaged ({why}). Copy it again.")
 
 
-def _columns(path: Path, group: Any) -> tuple[FoundColumn, ...]:
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """The columns of a group in common rows, and what was done to bring them there."""
+
+    columns: tuple[FoundColumn, ...]
+    notes: tuple[str, ...]
+
+
+def _rows(path: Path, group: Any) -> _Rows:
     """The clock and the numeric channels of a group. Channels whose waveforms have other clocks are joined on time;
     without a clock, only those of the most frequent length have common rows.
     """
@@ -101,16 +110,32 @@ def _columns(path: Path, group: Any) -> tuple[FoundColumn, ...]:
     named = CLOCK in [channel.name for channel in numeric]
     clocked = [] if named else [channel for channel in numeric if channel.properties.get("wf_increment")]
     if not clocked or any(len(channel) == usual and channel not in clocked for channel in numeric):
-        return tuple(_column(path, channel) for channel in numeric if len(channel) == usual)
+        columns = tuple(_column(path, channel) for channel in numeric if len(channel) == usual)
+        return _Rows(columns, (*_missing(columns), *_left_out([c for c in numeric if len(c) != usual])))
     clocks = _clocks(clocked)
     joined = joined_clocks(clocks)
+    read = [_column(path, channel) for channel in clocked]
     columns = [FoundColumn(CLOCK, "s", clocks[joined.base])]
-    for channel, rows in zip(clocked, joined.rows):
-        column = _column(path, channel)
+    for column, rows in zip(read, joined.rows):
         values = np.full(clocks[joined.base].size, np.nan)
         values[rows[rows >= 0]] = column.values[rows >= 0]
         columns.append(replace(column, values=values))
-    return tuple(columns)
+    several = any(not np.array_equal(clock, clocks[0]) for clock in clocks)
+    done = (joined.sentence(read[joined.base].name),) if several else ()
+    left = [channel for channel in numeric if channel not in clocked]
+    return _Rows(tuple(columns), (*_missing(read), *done, *_left_out(left)))
+
+
+def _missing(columns: Sequence[FoundColumn]) -> list[str]:
+    return [note for column in columns for note in missing_notes({column.name: column.values})]
+
+
+def _left_out(channels: Sequence[Any]) -> list[str]:
+    """A sentence on the channels that share neither a clock nor a number of readings with the others."""
+    if not channels:
+        return []
+    names = ", ".join(shown(channel.name) for channel in channels)
+    return [f"Left out, as their readings belong to no row of the others: {names}."]
 
 
 def _clocks(channels: Sequence[Any]) -> list[Array]:
