@@ -25,6 +25,12 @@ def test_a_model_clearly_better_than_curves_is_judged_as_by_verify(ratio):
     assert level_against_curves(ratio, 1.0, 0.02, 5.0) == error_verdict(ratio, 1.0, 0.02).level
 
 
+def test_a_small_error_on_full_loops_is_good_even_if_two_branches_fit_better():
+    assert level_against_curves(2.9, 1.0, 0.004, 0.6, full_loops=True) == "good"
+    assert level_against_curves(2.9, 1.0, 0.02, 0.6, full_loops=True) == "poor"
+    assert level_against_curves(2.9, 1.0, 0.004, 0.6) == "poor", "a line is better: this is no hysteresis"
+
+
 def test_a_model_no_better_than_a_curve_is_poor_even_at_the_noise():
     assert level_against_curves(1.0, 1.0, 0.02, 1.0) == "poor"
     assert level_against_curves(5.0, 1.0, 0.20, 5.0) == "poor", "20 % of the range"

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from smarig.identification.error_verdict import LARGE_PLACE as LARGE_PLACE
     from smarig.identification.error_verdict import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
     from smarig.identification.error_verdict import POOR_RATIO as POOR_RATIO
+    from smarig.identification.error_verdict import SMALL_SHARE as SMALL_SHARE
     from smarig.identification.error_verdict import AgainstCurves as AgainstCurves
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorParts as ErrorParts

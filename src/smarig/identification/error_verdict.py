@@ -131,11 +131,12 @@ def _against_curves(
     """The level of an error beside those of simple curves."""
     gain, full_loops = curves.gain, curves.full_loops
     better = full_loops or not gain < BETTER
+    if full_loops and share <= SMALL_SHARE:
+        return ErrorLevel.GOOD  # a curve of two branches may be nearer still, and knows full loops only
     if gain < (1 / HARDLY_BETTER if full_loops else HARDLY_BETTER):
         return ErrorLevel.POOR
     if full_loops and gain < BETTER and level is not ErrorLevel.GOOD:
-        at_best = ErrorLevel.FAIR if level is ErrorLevel.UNKNOWN else level
-        return ErrorLevel.GOOD if share <= SMALL_SHARE else at_best
+        return ErrorLevel.FAIR if level is ErrorLevel.UNKNOWN else level
     if level is ErrorLevel.GOOD:
         return ErrorLevel.GOOD if better else ErrorLevel.FAIR
     if share > LARGE_SHARE:

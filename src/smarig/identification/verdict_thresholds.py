@@ -33,7 +33,7 @@ def study_sentences() -> tuple[str, ...]:
     return (
         "Where a curve of a rising and a falling branch is about as good as the model, the data hold full loops only: "
         f"the model is good for these at {GOOD_RATIO:g} × the noise floor, or at {_percent(SMALL_SHARE)} of the "
-        "travel.",
+        "travel even if that curve is better.",
         f"poor: the error of another simple curve is less than {HARDLY_BETTER:g} × that of the model, or the error is "
         f"more than {_percent(LARGE_SHARE)} of the travel and above {GOOD_RATIO:g} × the noise floor.",
         f"Above {GOOD_RATIO:g} × the noise floor, a model is fair if the error of the best simple curve is at least "

@@ -16,6 +16,7 @@ from smarig.identification import (
     LARGE_PLACE,
     LITTLE_UNPREDICTED,
     POOR_RATIO,
+    SMALL_SHARE,
     AgainstCurves,
     ErrorLevel,
     ErrorParts,
@@ -212,8 +213,9 @@ class StudyResult:
 
     @property
     def curves_as_good(self) -> bool:
-        """Whether a rising and a falling branch do about as well as the model."""
-        return self._as_a_branch_pair and 1 / HARDLY_BETTER <= self.gain < BETTER
+        """Whether a rising and a falling branch do about as well as the model, or better than a very good one."""
+        near = self.gain >= 1 / HARDLY_BETTER or self.nrmse <= SMALL_SHARE
+        return self._as_a_branch_pair and near and self.gain < BETTER
 
     @cached_property
     def _fitted_turns_inside(self) -> bool:
