@@ -107,6 +107,7 @@ def _labelled_record(table: FoundTable, blocks: Sequence[LabelledBlock], number:
         name=f"{table.name} {titles[number]}".strip(),
         columns=(*columns[own], *others),
         layout={**table.layout, place: table.layout[place] | {"names": names}},
+        titles=(*table.titles, titles[number]),
     )
     return table_of_rows(found, _filled(columns[own]))
 

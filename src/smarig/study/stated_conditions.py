@@ -26,6 +26,8 @@ _KEY_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]")
 _OF_SENSOR = re.compile(r"[\w.-]+/\S+|[A-Za-z]+\d\S*")  # U9C/500N, WA20mm
 _PLACES = ("group", "sheet")  # keys of a layout that name a part of the file
 _PARTS_OF_TITLE = re.compile(r"\s+[-–|]\s+|[;|(),]\s+|[;|()]")
+_BARE = re.compile(r"(-?\d+(?:[.,]\d+)?)[\s_]*([^\s\d]+)")
+_OF_UNIT = {dimension(unit): name for name, unit in CONDITION_UNITS.items() if name != "chamber_temperature"}
 _STATEMENT = re.compile(r"(.*?)[\s:=]*(-?\d+(?:[.,]\d+)?)\s*([^\s\d]*)")
 
 
@@ -84,10 +86,23 @@ def _of_part(guess: TableGuess) -> dict[str, Stated]:
     for title in guess.table.titles:
         parts = [part for part in _PARTS_OF_TITLE.split(title) if part.strip()]
         place = f"the title {shown(title)}"
-        found |= _weight(guess, title, place)
+        found |= _weight(guess, title, place) | _from(_bare_condition(guess, title), place)
         found |= _from(_quantities(dict(filter(None, map(_statement, parts)))), place)
     entries = dict(_entries(guess.table.header))
     return found | _from(_quantities(entries), "a property of the table")
+
+
+def _bare_condition(guess: TableGuess, title: str) -> dict[str, tuple[float, str]]:
+    """The condition of a title that is a value with its unit and nothing else, as "45 °C" is the label of a run; it
+    is no quantity that the table measures or sets.
+    """
+    match = _BARE.fullmatch(title.strip())
+    unit = known_unit(match[2], temperature=True) if match else ""
+    measured = {dimension(c.unit) for c in guess.columns if guess.roles[c.name].role in ("input", "output")}
+    name = _OF_UNIT.get(dimension(unit), "")
+    if not match or not name or dimension(unit) in measured:
+        return {}
+    return {name: (float(match[1].replace(",", ".")), unit)}
 
 
 def _weight(guess: TableGuess, text: str, place: str) -> dict[str, Stated]:

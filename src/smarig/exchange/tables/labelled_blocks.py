@@ -5,9 +5,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
+from smarig.exchange.units.written_units import known_unit
+
 _FEWEST = 3  # columns of a block: a clock, an input and an output
 _BETWEEN = " _.:;,|/#-"  # signs between a label and a name
 _OPENING = "([{<"
+_WORD = re.compile(r"[^\W_]*")
+_NUMBER = re.compile(r"\d*(?:[.,]\d+)?")
+_UNIT_BEGAN = re.compile(r"\d[\s_]?([°%]?[^\W\d_]*)$")
+_UNIT_GOES_ON = re.compile(r"[\s_]?[°%]?[^\W\d_]*")
 
 
 @dataclass(frozen=True)
@@ -75,20 +81,48 @@ def _without_label(group: Sequence[str], places: Sequence[tuple[int, int]]) -> L
     tails = [name[b:] for name, (_, b) in zip(group, places)]
     text = group[0][slice(*places[0])]
     if len(set(heads)) == 1:
-        word = re.match(r"\w*", _shared(tails))  # of a label that differs in one letter
-        shared = word[0] if word and heads[0] + text and text.isalpha() else ""
-        names = [tail.removeprefix(shared).lstrip(_BETWEEN + ")]}>") for tail in tails]
-        return LabelledBlock((heads[0] + text + shared).strip(_BETWEEN + _OPENING), tuple(names))
+        rest = _rest(heads[0] + text, tails)
+        rest = (
+            "" if rest in tails else rest
+        )  # a name that would be left without a word is no unit of the label
+        names = [tail.removeprefix(rest).lstrip(_BETWEEN + ")]}>") for tail in tails]
+        return LabelledBlock((heads[0] + text + rest).strip(_BETWEEN + _OPENING), tuple(names))
     before = _word_end(_shared([head[::-1] for head in heads])[::-1])
+    rest = _rest(before + text, tails)
+    tails = [tail.removeprefix(rest) for tail in tails]
     closing = tails[0] if len(set(tails)) == 1 and len(tails[0]) < 2 else ""
     names = [
         f"{head.removesuffix(before).rstrip(_BETWEEN + _OPENING)}{tail.removeprefix(closing)}"
         for head, tail in zip(heads, tails)
     ]
-    return LabelledBlock((before + text).strip(_BETWEEN + _OPENING), tuple(names))
+    return LabelledBlock((before + text + rest).strip(_BETWEEN + _OPENING), tuple(names))
+
+
+def _rest(label: str, tails: Sequence[str]) -> str:
+    """What belongs to a label behind the signs that differ: the rest of its word, or of its number and its unit.
+
+    >>> _rest("2", ["00 g Time", "00 g Temp"]), _rest("Run A", ["bove t", "bove T"]), _rest("Run 1", [" T", " V"])
+    ('00 g', 'bove', '')
+    """
+    shared = _shared(tails)
+    if label[-1:].isalpha() and not _UNIT_BEGAN.search(label):
+        return _whole(_WORD.match(shared), tails)
+    number = _whole(_NUMBER.match(shared), tails) if not label[-1:].isalpha() else ""
+    began = _UNIT_BEGAN.search(label + number)
+    more = _UNIT_GOES_ON.match(shared[len(number) :])
+    if began and more and known_unit(began[1] + more[0].strip(" _")):
+        return number + _whole(more, [tail.removeprefix(number) for tail in tails]) or number
+    return number
+
+
+def _whole(match: re.Match[str] | None, tails: Sequence[str]) -> str:
+    """The text of a match at the start of names if a word ends there in all of them, "" otherwise."""
+    if not match or any(tail[match.end() :][:1].isalnum() for tail in tails):
+        return ""
+    return match[0]
 
 
 def _word_end(shared: str) -> str:
-    """The end of names that they share, from the first sign between words on."""
+    """The end of names that they share, from the first sign between words on; digits at the end are of a number."""
     places = [k for k, sign in enumerate(shared) if sign in _BETWEEN + _OPENING]
-    return shared[places[0] :] if places else ""
+    return shared[places[0] :] if places else shared[len(shared.rstrip("0123456789")) :]
