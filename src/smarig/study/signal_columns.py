@@ -8,6 +8,7 @@ import numpy as np
 from smarig.core import Array
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import STATED, UNSURE, ColumnGuess
+from smarig.study.displacement_places import specimens_displacement
 from smarig.study.held_quantities import held_levels, holds_still, is_noise, scatters
 from smarig.study.physical_roles import leads
 from smarig.study.strain_columns import axial_strain
@@ -74,8 +75,17 @@ def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
         if found:
             found = [c for c in found if not c.commanded] or found
             best = max(found, key=lambda c: (*_certainty(c), -able.index(c)))
+            if quantity in (q.DISPLACEMENT, q.ANGLE):
+                return specimens_displacement(best, rivals_of(best, found))
             return axial_strain([best, *found]) if quantity == q.STRAIN else best
     return _output_with_charge(able) or _read_voltage(able)
+
+
+def rivals_of(out: ColumnGuess, columns: Sequence[ColumnGuess]) -> list[ColumnGuess]:
+    """The other columns that are as surely of the quantity of an output as itself."""
+    return [
+        c for c in columns if c is not out and c.quantity == out.quantity and _certainty(c) == _certainty(out)
+    ]
 
 
 def _certainty(c: ColumnGuess) -> tuple[bool, bool, bool]:

@@ -26,7 +26,7 @@ def axial_strain(strains: Sequence[ColumnGuess]) -> ColumnGuess:
     """
     able = [c for c in strains if not _is_named(_OTHER, c)] or list(strains)
     along = next((c for c in able if _is_named(_ALONG, c)), able[0])
-    return next(c for c in able if c is along or _agree(c, along))
+    return next(c for c in able if c is along or show_one_motion(c, along))
 
 
 def other_strains(out: ColumnGuess, strains: Sequence[ColumnGuess]) -> list[ColumnGuess]:
@@ -35,7 +35,9 @@ def other_strains(out: ColumnGuess, strains: Sequence[ColumnGuess]) -> list[Colu
     if any(_is_named(_ALONG, c) for c in able):
         return []
     return [
-        c for c in able if c is not out and dimension(c.unit) == dimension(out.unit) and not _agree(c, out)
+        c
+        for c in able
+        if c is not out and dimension(c.unit) == dimension(out.unit) and not show_one_motion(c, out)
     ]
 
 
@@ -43,8 +45,8 @@ def _is_named(words: re.Pattern[str], c: ColumnGuess) -> bool:
     return words.search(re.sub(r"[_.:-]+", " ", f"{c.label} {c.facts.comment}")) is not None
 
 
-def _agree(a: ColumnGuess, b: ColumnGuess) -> bool:
-    """Whether two strains show one motion, but for its zero."""
+def show_one_motion(a: ColumnGuess, b: ColumnGuess) -> bool:
+    """Whether two strains or displacements show one motion, but for its zero."""
     if dimension(a.unit) != dimension(b.unit):
         return False
     known = np.isfinite(a.facts.values) & np.isfinite(b.facts.values)

@@ -23,12 +23,13 @@ from smarig.study.column_guess import (
     ColumnGuess,
     guess_columns,
 )
+from smarig.study.displacement_places import rival_displacements
 from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.held_quantities import holds_still, is_noise
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
-from smarig.study.signal_columns import input_column, is_grid, output_column
+from smarig.study.signal_columns import input_column, is_grid, output_column, rivals_of
 from smarig.study.strain_columns import other_strains
 from smarig.study.thermometer_places import IN_INSTRUMENT, distance
 from smarig.study.typed_names import typed_name
@@ -194,6 +195,9 @@ def guess_table(
     if out is not None and output is None and not again and (others := _further_strains(out, left)):
         names = ", ".join(shown(c.name) for c in (out, *others))
         roles[out.name] = Role("output", f"no name says which of {names} is along the load", UNSURE / 2)
+    if out is not None and output is None and not again and (others := _further_displacements(out, left)):
+        names = ", ".join(shown(c.name) for c in (out, *others))
+        roles[out.name] = Role("output", f"no name says which of {names} is at the specimen", UNSURE / 2)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
@@ -407,6 +411,14 @@ def _further_strains(out: ColumnGuess, left: Sequence[ColumnGuess]) -> list[Colu
     """Strains that differ from the output, known as well as it is, and may be the one along the load."""
     strains = [c for c in left if c.quantity == out.quantity == q.STRAIN and c.by_numbers == out.by_numbers]
     return other_strains(out, [c for c in strains if not holds_still(c) and not is_noise(c)])
+
+
+def _further_displacements(out: ColumnGuess, left: Sequence[ColumnGuess]) -> list[ColumnGuess]:
+    """Displacements that differ from the output, known as well as it is, and may be that of the specimen."""
+    if out.quantity not in (q.DISPLACEMENT, q.ANGLE) or out.by_numbers:
+        return []
+    measured = [c for c in left if not c.commanded and not holds_still(c) and not is_noise(c)]
+    return rival_displacements(out, rivals_of(out, measured))
 
 
 def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, str]:

@@ -16,6 +16,11 @@ _SURROUNDINGS = re.compile(
     r"cryostat|kryostat|system|block",
     re.IGNORECASE,
 )
+_HOLDER = re.compile(  # what holds the specimen, and moves or warms less than it
+    r"\bframe|rahmen|gestell|\bbati\b|holder|halter|\bgrips?\b|clamp\b|klemme|einspann|spannbacke|\bjaws?\b|"
+    r"\bmors\b|fixture|crosshead|cross head|traverse|\btelaio\b|bastidor|mordaza",
+    re.IGNORECASE,
+)
 _INSTRUMENT = re.compile(
     r"\bp ?temp|panel|board|platine|intern|(reference|ref|cold) ?junction|vergleichsstelle|\bcjc?\b|logger|enclosure|"
     r"(device|chip|cpu|instrument|ger(a|ä)te) ?temp",
@@ -27,11 +32,20 @@ def distance(c: ColumnGuess) -> int:
     """How far a temperature is from the specimen: 0 at it, 1 where no name says so, 2 in what surrounds it, 3 in the
     instrument that reads the others, 4 for a set-point, which nothing measured.
     """
-    words = re.sub(r"[_\W]+", " ", without_accents(f"{c.label} {c.facts.comment}"))
+    words = _words(c)
     if c.commanded:
         return 4
     if _SPECIMEN.search(words):
         return 0
     if _INSTRUMENT.search(words):
         return IN_INSTRUMENT
-    return 2 if _SURROUNDINGS.search(words) else 1
+    return 2 if _SURROUNDINGS.search(words) or _HOLDER.search(words) else 1
+
+
+def is_of_holder(c: ColumnGuess) -> bool:
+    """Whether a name says that a reading is of a frame or a grip, which hold the specimen."""
+    return _HOLDER.search(_words(c)) is not None
+
+
+def _words(c: ColumnGuess) -> str:
+    return re.sub(r"[_\W]+", " ", without_accents(f"{c.label} {c.facts.comment}"))
