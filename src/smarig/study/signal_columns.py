@@ -8,6 +8,7 @@ import numpy as np
 from smarig.core import Array
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import STATED, UNSURE, ColumnGuess
+from smarig.study.derived_charges import is_integral_of_current, of_terminal
 from smarig.study.displacement_places import specimens_displacement
 from smarig.study.held_quantities import held_levels, holds_still, is_noise, scatters
 from smarig.study.physical_roles import leads
@@ -96,12 +97,23 @@ def _certainty(c: ColumnGuess) -> tuple[bool, bool, bool]:
 
 def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     """The output beside a charge: the voltage of a cell, whose charge in A h a current counts; else the charge, in
-    coulombs, that a voltage moves.
+    coulombs, that a voltage moves, unless it is the integral of the current and a sensor was read beside it.
     """
     charge = next((c for c in able if c.quantity == q.CHARGE), None)
     voltage = next((c for c in able if c.quantity == q.VOLTAGE and not c.commanded), None)
     counted = charge is not None and charge.unit.endswith("h")
-    return voltage if counted else charge
+    return voltage if counted else sensor_beside_charge(able) or charge
+
+
+def sensor_beside_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
+    """The voltage of a sensor, which is no copy of another voltage, beside a charge that is no reading."""
+    charge = next((c for c in able if c.quantity == q.CHARGE and is_integral_of_current(c, able)), None)
+    if charge is None:
+        return None
+    voltages = [c for c in able if c.quantity == q.VOLTAGE]
+    electrodes = [c for c in voltages if not of_terminal(c)]
+    sensors = [c for c in voltages if of_terminal(c) and not is_noise(c)]
+    return next((c for c in sensors if electrodes and not any(is_signal_of(c, e) for e in electrodes)), None)
 
 
 def _read_voltage(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
@@ -126,6 +138,7 @@ def input_column(
     able = [c for c in left if c is not out and not holds_still(c)]
     able = [c for c in able if out is None or not is_signal_of(c, out)]
     order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
+    order = _INPUTS[q.CHARGE] if out is not None and out is sensor_beside_charge(left) else order
     others = [c for c in able if c.quantity in order and _is_swept(c)]
     able = [c for c in able if not _is_held_in_turn(c, others)]
     swept = [c for c in able if _is_swept(c)]

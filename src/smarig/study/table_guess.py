@@ -23,13 +23,14 @@ from smarig.study.column_guess import (
     ColumnGuess,
     guess_columns,
 )
+from smarig.study.derived_charges import line_that_names
 from smarig.study.displacement_places import rival_displacements
 from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.held_quantities import holds_still, is_noise
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
-from smarig.study.signal_columns import input_column, is_grid, output_column, rivals_of
+from smarig.study.signal_columns import input_column, is_grid, output_column, rivals_of, sensor_beside_charge
 from smarig.study.strain_columns import other_strains
 from smarig.study.thermometer_places import IN_INSTRUMENT, distance
 from smarig.study.typed_names import typed_name
@@ -198,6 +199,8 @@ def guess_table(
     if out is not None and output is None and not again and (others := _further_displacements(out, left)):
         names = ", ".join(shown(c.name) for c in (out, *others))
         roles[out.name] = Role("output", f"no name says which of {names} is at the specimen", UNSURE / 2)
+    if out is not None and output is None and out is sensor_beside_charge(left):
+        roles[out.name] = _sensor_role(out, left, table)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
@@ -419,6 +422,15 @@ def _further_displacements(out: ColumnGuess, left: Sequence[ColumnGuess]) -> lis
         return []
     measured = [c for c in left if not c.commanded and not holds_still(c) and not is_noise(c)]
     return rival_displacements(out, rivals_of(out, measured))
+
+
+def _sensor_role(out: ColumnGuess, left: Sequence[ColumnGuess], table: FoundTable) -> Role:
+    """The role of the voltage of a sensor beside a charge; it is sure where a line before the table says so."""
+    if line := line_that_names(out, table):
+        return Role("output", f"the voltage of a sensor; a line before the table says: {shown(line)}", LIKELY)
+    charge = next(c for c in left if c.quantity == q.CHARGE)
+    why = f"no line says whether {shown(out.name)} or {shown(charge.name)}, the integral of the current, is meant"
+    return Role("output", why, UNSURE / 2)
 
 
 def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, str]:
