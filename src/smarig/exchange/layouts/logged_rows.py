@@ -10,9 +10,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from smarig.exchange.layouts.igor_text import igor_rows, is_igor_text
-from smarig.exchange.layouts.json_lines import json_lines
+from smarig.exchange.layouts.json_lines import STAMP, json_lines
 
-STAMP = "stamp"  # name of the column of stamps
 _STAMPED = re.compile(r"\s*\[?(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\]?\s*(?:->|→|>)\s?(.*)")
 _PAIR = re.compile(
     r"([A-Za-z_µ][\w./%°µ()\[\]-]*)\s*"  # a key, "=" or ":", a value, and a sign or blanks before the next
