@@ -102,10 +102,10 @@ def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     charge = next((c for c in able if c.quantity == q.CHARGE), None)
     voltage = next((c for c in able if c.quantity == q.VOLTAGE and not c.commanded), None)
     counted = charge is not None and charge.unit.endswith("h")
-    return voltage if counted else sensor_beside_charge(able) or charge
+    return voltage if counted else voltage_with_charge(able) or charge
 
 
-def sensor_beside_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
+def voltage_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     """The voltage of a sensor, which is no copy of another voltage, beside a charge that is no reading."""
     charge = next((c for c in able if c.quantity == q.CHARGE and is_integral_of_current(c, able)), None)
     if charge is None:
@@ -138,7 +138,7 @@ def input_column(
     able = [c for c in left if c is not out and not holds_still(c)]
     able = [c for c in able if out is None or not is_signal_of(c, out)]
     order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
-    order = _INPUTS[q.CHARGE] if out is not None and out is sensor_beside_charge(left) else order
+    order = _INPUTS[q.CHARGE] if out is not None and out is voltage_with_charge(left) else order
     others = [c for c in able if c.quantity in order and _is_swept(c)]
     able = [c for c in able if not _is_held_in_turn(c, others)]
     swept = [c for c in able if _is_swept(c)]

@@ -30,7 +30,7 @@ from smarig.study.held_quantities import holds_still, is_noise
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
-from smarig.study.signal_columns import input_column, is_grid, output_column, rivals_of, sensor_beside_charge
+from smarig.study.signal_columns import input_column, is_grid, output_column, rivals_of, voltage_with_charge
 from smarig.study.strain_columns import other_strains
 from smarig.study.thermometer_places import IN_INSTRUMENT, distance
 from smarig.study.typed_names import typed_name
@@ -199,7 +199,7 @@ def guess_table(
     if out is not None and output is None and not again and (others := _further_displacements(out, left)):
         names = ", ".join(shown(c.name) for c in (out, *others))
         roles[out.name] = Role("output", f"no name says which of {names} is at the specimen", UNSURE / 2)
-    if out is not None and output is None and out is sensor_beside_charge(left):
+    if out is not None and output is None and out is voltage_with_charge(left):
         roles[out.name] = _sensor_role(out, left, table)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
