@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.core import Array
+from smarig.core import Array, correlation
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import STATED, UNSURE, ColumnGuess
 from smarig.study.derived_charges import is_integral_of_current, of_terminal
@@ -53,6 +53,8 @@ _MECHANICAL = (  # what was measured at the specimen, before the current or volt
     q.FORCE,
     q.PRESSURE,
 )
+_HEATS = (q.CURRENT, q.POWER, q.DUTY)
+_TOGETHER = 0.5  # least correlation of a voltage with what heats with it
 SENSOR_SIGNALS = (q.VOLTAGE, q.CURRENT)
 _EXTENSOMETER = re.compile(r"extens[oó]m|estensim|dehnungsaufnehmer|feindehn", re.IGNORECASE)
 
@@ -117,17 +119,28 @@ def voltage_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
 
 
 def _read_voltage(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
-    """A voltage that was read beside a temperature, as that of a divider. One that heats is beside its current or
+    """A voltage that was read beside a temperature, as that of a divider. One that heats moves with its current or
     power, was commanded, or leads the temperature.
     """
     voltages = [c for c in able if c.quantity == q.VOLTAGE]
     if all(map(is_noise, voltages)):
         return None  # a supply
     warm = next((c for c in able if c.quantity == q.TEMPERATURE), None)
-    heated = len(voltages) > 1 or any(c.quantity in (q.CURRENT, q.POWER, q.DUTY) for c in able)
+    heated = len(voltages) > 1 or any(_moves_with(c, voltages) for c in able if c.quantity in _HEATS)
     if not voltages or warm is None or heated or voltages[0].commanded:
         return None
     return None if leads(voltages[0].facts.values, warm.facts.values) else voltages[0]
+
+
+def _moves_with(c: ColumnGuess, voltages: Sequence[ColumnGuess]) -> bool:
+    """Whether a current or a power rather rises and falls with a voltage than not, as both do in a wire that they heat;
+    a current that only serves to read the voltage stays, and that of another device goes its way.
+    """
+    for voltage in voltages:
+        known = np.isfinite(c.facts.values) & np.isfinite(voltage.facts.values)
+        if known.sum() < 3 or correlation(c.facts.values[known], voltage.facts.values[known]) >= _TOGETHER:
+            return True
+    return False
 
 
 def input_column(
