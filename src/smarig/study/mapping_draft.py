@@ -195,6 +195,8 @@ def _repeats(time: ColumnGuess) -> bool:
 def _value(value: Any) -> str:
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_s(str(v)) for v in value) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
     return _s(value) if isinstance(value, str) else str(value)
 
 

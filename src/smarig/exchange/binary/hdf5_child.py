@@ -66,7 +66,7 @@ def _answer(path: str, group: str, out: BinaryIO) -> None:
             for column in columns:
                 for own, unit, numbers in column.values():
                     words = {"column": own, "unit": unit, "comment": column.comment, "size": numbers.size}
-                    _send(out, words)
+                    _send(out, words | {"start": column.start})
                     out.write(numbers.data)
     _send(out, {"end": True})
 
@@ -151,7 +151,9 @@ class _Column:
 
     def __init__(self, name: str, data: Any) -> None:
         self.name, self._data = name, data
-        self.comment = _plain(_attributes(data).get("long_name", ""))
+        attributes = _attributes(data)
+        self.comment = _plain(attributes.get("long_name", attributes.get("description", "")))
+        self.start = _plain(attributes.get("start", ""))  # of a clock: its zero
         rows, width = (math.prod(data.shape), len(data.dtype)) if data.dtype.names else (*data.shape, 1)[:2]
         self._turned = not data.dtype.names and (width > MAX_COLUMNS or rows < width)
         self.length, self.width = (width, rows) if self._turned else (rows, width)

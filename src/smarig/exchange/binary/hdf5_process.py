@@ -33,7 +33,7 @@ _Process = subprocess.Popen[bytes]
 @dataclass
 class Hdf5Group:
     """A group: path, attributes, columns of one length, and data sets that are no columns, with the reason; ``scalars``
-    are its single numbers with their units.
+    are its single numbers with their units, ``starts`` the zeros of its clocks as they are written, by column.
     """
 
     name: str
@@ -41,6 +41,7 @@ class Hdf5Group:
     left_out: dict[str, str]
     columns: list[FoundColumn] = field(default_factory=list)
     scalars: dict[str, tuple[float, str]] = field(default_factory=dict)
+    starts: dict[str, str] = field(default_factory=dict)
 
 
 def read_groups(path: Path, group: str = "") -> list[Hdf5Group]:
@@ -83,6 +84,7 @@ def _groups(path: Path, output: IO[bytes]) -> Iterator[Hdf5Group]:
             )
         if group is not None and "column" in words:
             values = _values(output, words["size"])
+            group.starts |= {words["column"]: words["start"]} if words["start"] else {}
             group.columns.append(
                 FoundColumn(words["column"], words["unit"], values, comment=words["comment"])
             )

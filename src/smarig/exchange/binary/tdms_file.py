@@ -116,10 +116,8 @@ def _rows(path: Path, group: Any) -> _Rows:
     joined = joined_clocks(clocks)
     read = [_column(path, channel) for channel in clocked]
     columns = [FoundColumn(CLOCK, "s", clocks[joined.base])]
-    for column, rows in zip(read, joined.rows):
-        values = np.full(clocks[joined.base].size, np.nan)
-        values[rows[rows >= 0]] = column.values[rows >= 0]
-        columns.append(replace(column, values=values))
+    for k, column in enumerate(read):
+        columns.append(replace(column, values=joined.in_rows(k, column.values)))
     several = any(not np.array_equal(clock, clocks[0]) for clock in clocks)
     done = (joined.sentence(read[joined.base].name),) if several else ()
     left = [channel for channel in numeric if channel not in clocked]

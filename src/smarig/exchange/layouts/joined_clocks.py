@@ -31,6 +31,13 @@ class JoinedClocks:
         """The number of readings without a row."""
         return sum(int((rows < 0).sum()) for rows in self.rows)
 
+    def in_rows(self, channel: int, values: Array) -> Array:
+        """The readings of a channel in the common rows, NaN where it has none."""
+        rows = self.rows[channel]
+        found = np.full(self.rows[self.base].size, np.nan)
+        found[rows[rows >= 0]] = values[rows >= 0]
+        return found
+
     def sentence(self, base: str) -> str:
         """How readings came into one row; ``base`` is the name of the channel whose readings the rows are."""
         text = f"The rows are the readings of {shown(base)}"

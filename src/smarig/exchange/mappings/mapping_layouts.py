@@ -61,6 +61,7 @@ class Hdf5Layout(TomlTable):
     """[hdf5]: data sets of one length in a group of an HDF5 file; columns of a table are named DATASET/COLUMN."""
 
     group: str = "/"  # path of the group
+    logs: bool = False  # the groups below it that hold a clock and a signal each are joined on time
 
 
 class ParquetLayout(TomlTable):
