@@ -13,6 +13,7 @@ from smarig.exchange.layouts.key_cells import key_cells
 from smarig.exchange.layouts.logged_rows import LoggedRows, logged_rows
 from smarig.exchange.layouts.long_rows import long_rows
 from smarig.exchange.layouts.long_table import is_long
+from smarig.exchange.layouts.stacked_channels import stacked_channels
 from smarig.exchange.layouts.unit_cells import has_unit_cells, joined_cells, unit_cells
 from smarig.exchange.text.table_rows import split
 
@@ -48,6 +49,7 @@ def _rewritten(path: Path, found: LoggedRows) -> LoggedRows:
     """Lines with one row for each instant, and plain numbers in their cells."""
     for rewrite in (
         key_cells,
+        partial(stacked_channels, path),
         partial(clock_pairs, path),
         channel_rows,
         partial(long_rows, path, added=found.added),
