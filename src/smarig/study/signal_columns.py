@@ -78,7 +78,7 @@ def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
         if found:
             found = [c for c in found if not c.commanded] or found
             best = max(found, key=lambda c: (*_certainty(c), -able.index(c)))
-            if quantity in (q.DISPLACEMENT, q.ANGLE):
+            if quantity in (q.DISPLACEMENT, q.ANGLE) and not best.by_numbers:
                 return specimens_displacement(best, rivals_of(best, found))
             return axial_strain([best, *found]) if quantity == q.STRAIN else best
     return _output_with_charge(able) or _read_voltage(able)
