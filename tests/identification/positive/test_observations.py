@@ -1,5 +1,7 @@
 """Every settled point is one linear equation, checked against the operator, which sums no surface values."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -65,14 +67,23 @@ def test_an_unknown_memory_is_reported():
 
 def test_the_parts_of_one_record_have_the_curves_of_the_whole():
     u = np.array([-10.0, 10.0, -10.0, 4.0, -3.0, 3.0, -10.0, 10.0, -10.0])
-    y, meta = np.tanh(u), {"start_epoch": 5.0}
-    whole = made_run(u, y, **meta)
-    parts = [made_run(u[:4], y[:4], **meta), made_run(u[4:], y[4:], initial="continued", **meta)]
-    parts[1].columns["t_s"] += parts[0]["t_s"][-1] + 1.0
-    found, expected = Observations.of_runs(parts), Observations.of_runs([whole])
+    y = np.tanh(u)
+    whole = made_run(u, y)
+
+    def cut(*metas):
+        parts = [made_run(u[:4], y[:4]), made_run(u[4:], y[4:], initial="continued")]
+        parts[1].columns["t_s"] += parts[0]["t_s"][-1] + 1.0
+        return [replace(part, meta=part.meta | more) for part, more in zip(parts, metas)]
+
+    of_a_file = cut({"imported": {"sha256": "a"}}, {"imported": {"sha256": "b", "continues_sha256": "a"}})
+    found, expected = Observations.of_runs(of_a_file), Observations.of_runs([whole])
     np.testing.assert_array_equal(found.curve, expected.curve)
-    apart = Observations.of_runs([parts[0], made_run(u[4:], y[4:], name="b.run.sqlite")])
-    assert not set(apart.curve[:4]) & set(apart.curve[4:])
+    for apart in (
+        [of_a_file[0], made_run(u[4:], y[4:], name="b.run.sqlite")],
+        cut(*2 * [{"start_epoch": 5.0}]),
+    ):
+        curve = Observations.of_runs(apart).curve
+        assert not set(curve[:4]) & set(curve[4:])
 
 
 def test_first_order_points_are_the_same_either_way():

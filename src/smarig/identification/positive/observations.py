@@ -91,11 +91,13 @@ class Observations:
 
     @classmethod
     def of_runs(cls, runs: Sequence[Run]) -> "Observations":
-        """Every point with a known memory of runs of any protocol; a curve is an excursion, out and back. Runs that
-        continue each other are one record, whose excursions go on.
+        """Every point with a known memory of runs of any protocol; a curve is an excursion, out and back. Imported
+        runs that continue each other are parts of one record, whose excursions go on; runs of a rig are experiments of
+        their own.
         """
         lower, upper, records = memory_histories(runs)
-        curves = _curves(records, MIN_REVERSAL * (upper - lower))
+        imported = [run.info.imported is not None for run in runs]
+        curves = _curves(records, imported, MIN_REVERSAL * (upper - lower))
         parts = [
             cls._of_history(record, curve, (lower, upper), runs[0].unit)
             for record, curve in zip(records, curves)
@@ -216,13 +218,15 @@ class Observations:
         return csr_matrix(chosen @ vstack([_released_row(triangle, *move) for move in moves]))
 
 
-def _curves(records: Sequence[MemoryHistory], min_reversal: float) -> list[Integers]:
-    """The number of the excursion of each input of each record; those of different records differ, unless one continues
-    the other.
+def _curves(
+    records: Sequence[MemoryHistory], may_go_on: Sequence[bool], min_reversal: float
+) -> list[Integers]:
+    """The number of the excursion of each input of each record; those of different records differ, unless one that may
+    go on continues the other.
     """
     chains: list[list[MemoryHistory]] = []
-    for record in records:
-        if record.continued:
+    for record, goes_on in zip(records, may_go_on):
+        if record.continued and goes_on:
             chains[-1].append(record)
         else:
             chains.append([record])
