@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from smarig.core import Array, root_mean_square
-from smarig.measurement.input_record import input_noise_sd, noise_range, reversals
+from smarig.measurement.input_record import PART_OF, input_noise_sd, noise_range, reversals
 from smarig.measurement.loop_direction import branch_outputs
 from smarig.record import Run
 
@@ -159,11 +159,15 @@ def _saturation(u: float | None, ends: tuple[float, float], share: float) -> Sta
 
 
 def may_assume_start(run: Run) -> bool:
-    """Whether an unknown state at the start of a run may be assumed: data of others with a measured input.
+    """Whether an unknown state at the start of a run may be assumed: data of others with a measured input, which may be
+    the current itself where one record was cut in parts.
 
     The steps of a rig's own run are made in a state that the rig records.
     """
-    return has_measured_input(run) and (run.info.source == "import" or not run.settled)
+    imported = run.info.source == "import"
+    if imported and run.info.input.quantity == "current" and (run.meta.get("imported") or {}).get(PART_OF):
+        return run.has("input") and run.has("position")
+    return has_measured_input(run) and (imported or not run.settled)
 
 
 def has_measured_input(run: Run) -> bool:
