@@ -191,9 +191,9 @@ def _bulk(measure: RelayMeasure, part: int) -> dict[str, Any]:
         _best_by_clock(lambda: operator.simulate(batch)),
     )
     walk, tables = random_walk(1000), _tables(1000 // part)
-    simulate_models(tables[:2], walk, use_compiled=True)
+    simulate_models(tables[:2], walk, compiled=True)
     each_s = _best(lambda: [Preisach(t, compiled=True).simulate(walk) for t in tables])
-    models_s = _best(lambda: simulate_models(tables, walk, use_compiled=True))
+    models_s = _best(lambda: simulate_models(tables, walk, compiled=True))
     short, inputs = random_walk(100), random_walk(100).tolist()
     return {
         "batch_per_s": batch.size / batch_s,

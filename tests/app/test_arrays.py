@@ -81,5 +81,9 @@ def test_a_wrong_call_says_which_is_right(runs):
         smarig.fit(np.zeros(5), np.zeros(4))
     with pytest.raises(DataError):
         smarig.fit([1.0, 2.0], [0.0, 1.0])
+    with pytest.raises(DataError, match="3 readings or more of input and output, got 0"):
+        smarig.fit(TRAIN, np.full(TRAIN.size, np.nan))
+    with pytest.raises(UsageError, match="fit needs a one-dimensional output of numbers"):
+        smarig.fit(TRAIN, ["a"] * TRAIN.size)
     with pytest.raises(DataError):
         smarig.fit(TRAIN, np.zeros(TRAIN.size))  # it does not move

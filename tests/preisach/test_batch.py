@@ -63,7 +63,7 @@ def test_threads_change_nothing(monkeypatch):
     inputs = np.stack([walk(60, k) for k in range(11)])
     y = Preisach(KINDS["table"], compiled=True).simulate(inputs)
     assert y.tolist() == one_by_one([KINDS["table"]], inputs, "negative").tolist()
-    many = simulate_models(tables(7), inputs[0], "positive", use_compiled=True)
+    many = simulate_models(tables(7), inputs[0], "positive", compiled=True)
     assert many.tolist() == one_by_one(tables(7), inputs[:1], "positive").tolist()
 
 
@@ -89,7 +89,7 @@ def test_a_batch_names_where_it_is_not_a_number_and_other_shapes_are_refused():
 @pytest.mark.parametrize("initial", STARTS)
 def test_many_models_are_their_operators(initial: Saturation, use_compiled: bool):
     u = walk(80, 3)
-    y = simulate_models(tables(5), u, initial, use_compiled=use_compiled)
+    y = simulate_models(tables(5), u, initial, compiled=use_compiled)
     assert y.tolist() == one_by_one(tables(5), [u], initial).tolist()
 
 

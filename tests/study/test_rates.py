@@ -6,7 +6,7 @@ import pytest
 from smarig.cli import run as cli
 from smarig.core import UsageError
 from smarig.study import StudyOptions, study
-from smarig.study import quantity_words as q
+from smarig.study.quantity_units import is_rate_unit
 
 QUICK = StudyOptions(diagnose=False)
 LOOP = 100 * np.cos(np.linspace(0, 6 * np.pi, 400))
@@ -70,9 +70,9 @@ def test_a_rate_beside_an_output_is_ignored(tmp_path):
     "unit", ["ml/min", "°C/min", "K/s", "kg/h", "m", "s", "A/s", "mm/mm", "A/m", "rpm", ""]
 )
 def test_a_flow_and_the_rate_of_an_input_are_none(unit):
-    assert not q.is_rate_unit(unit)
+    assert not is_rate_unit(unit)
 
 
 @pytest.mark.parametrize("unit", ["T/s", "%/s", "s^-1", "1/s", "mm/min", "N/s", "emu/s", "s⁻¹", "MPa/min"])
 def test_units_of_outputs_per_time_are_rates(unit):
-    assert q.is_rate_unit(unit)
+    assert is_rate_unit(unit)

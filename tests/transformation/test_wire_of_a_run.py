@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import smarig
+from smarig.plant import effects_from_arguments
+from smarig.rig import TwinSettings
 from smarig.transformation import run_figures
 
 NAMES = ("A_s", "A_f", "M_s", "M_f")
@@ -83,3 +85,29 @@ def test_the_heat_loss_moves_all_temperatures_together(run):
     assert np.corrcoef(above["A_s"].draws, above["A_f"].draws)[0, 1] > 0.95
     width = found.means["width"]
     assert np.std(width.draws) / width.value == pytest.approx(0.05, abs=0.01)
+
+
+def test_a_twin_is_exact_only_without_effects(tmp_path):
+    def figures(name, **twin):
+        settings = TwinSettings(seed=1, **twin)
+        with smarig.Session("one_wire_twin", twin=settings) as session:
+            out = tmp_path / f"{name}.run.sqlite"
+            return run_figures(smarig.load_run(session.run("constant_force_cycles", {"cycles": 1}, out)))
+
+    exact = figures("plain")
+    bent = figures("bent", effects=effects_from_arguments(["convection=0.15"]))
+    assert any("heated by that model" in note for note in exact.notes)
+    assert not any("heated by that model" in note for note in bent.notes)
+    low, high = bent.means["A_f"].ci95  # the heat loss of the effect moves the value by 12 K
+    assert abs(bent.means["A_f"].value - exact.means["A_f"].value) > 10
+    assert low <= exact.means["A_f"].value <= high
+
+
+def test_a_settled_run_whose_actuator_file_is_gone_has_temperatures_without_their_error(run):
+    """As of an earlier version, which recorded the name of the file alone."""
+    lost = replace(
+        without(run, "voltage_V"), meta=run.meta | {"actuator": "./gone.toml", "actuator_values": {}}
+    )
+    found = run_figures(lost)
+    assert any("Its error is not in the intervals" in note for note in found.notes)
+    assert np.ptp(found.means["A_s"].ci95) < 2

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from smarig.core import Array, DataError, UsageError
 from smarig.identification import Identification, identify
-from smarig.preisach import Initial
+from smarig.preisach import Initial, vector
 from smarig.record import Run, load_run, run_of_arrays
 from smarig.replay import Model, load_model, simulate_samples, with_heating_of
 
@@ -45,12 +45,14 @@ def fit(
     >>> bool(np.abs(fit(u, y).predict(u) - y).max() < 0.1)
     True
     """
-    rows = [np.asarray(x, dtype=float) for x in (u, y, *(() if t is None else (t,)))]
-    if any(row.ndim != 1 or row.size != rows[0].size for row in rows):
+    given = {"input": u, "output": y, **({} if t is None else {"time": t})}
+    rows = [vector(values, "fit", name) for name, values in given.items()]
+    if any(row.size != rows[0].size for row in rows):
         shapes = ", ".join(str(row.shape) for row in rows)
         raise UsageError(f"fit needs rows of equal length, got the shapes {shapes}.")
-    if rows[0].size < FEWEST:
-        raise DataError(f"fit needs {FEWEST} readings or more, got {rows[0].size}.")
+    known = int(np.isfinite(rows[0] + rows[1]).sum())
+    if known < FEWEST:
+        raise DataError(f"fit needs {FEWEST} readings or more of input and output, got {known}.")
     return identify(run_of_arrays(*rows, unit=unit), surface).model
 
 

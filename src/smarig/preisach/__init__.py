@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from smarig.preisach.checked_input import input_array as input_array
     from smarig.preisach.checked_input import input_number as input_number
     from smarig.preisach.checked_input import input_rows as input_rows
+    from smarig.preisach.checked_input import vector as vector
     from smarig.preisach.compiled import compiled_available as compiled_available
     from smarig.preisach.everett import Everett as Everett
     from smarig.preisach.hysteresis.fod_surface import FodSurface as FodSurface

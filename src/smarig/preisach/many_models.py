@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from smarig.core import Array, UsageError
-from smarig.preisach import compiled
+from smarig.preisach import compiled as fast
 from smarig.preisach.checked_input import input_array
 from smarig.preisach.compiled_loop import bucketed
 from smarig.preisach.everett import Everett
@@ -19,12 +19,12 @@ def simulate_models(
     u: ArrayLike,
     initial: Initial = "negative",
     *,
-    use_compiled: bool | None = None,
+    compiled: bool | None = None,
 ) -> Array:
     """Outputs (n_models, n_samples) of hystereses for inputs u (n_samples,), each from the initial state.
 
     The numbers are those of ``Preisach(h).simulate(u, initial)``. Tables on the same nodes, from saturation, run in one
-    compiled loop, in threads where that takes less time; ``use_compiled`` as ``compiled`` of ``Preisach``.
+    compiled loop, in threads where that takes less time; ``compiled`` as in ``Preisach``.
 
     >>> from smarig.preisach import thesis_surface
     >>> simulate_models([thesis_surface("one_c"), thesis_surface("one_e")], [80.0, 40.0, 60.0]).shape
@@ -33,11 +33,11 @@ def simulate_models(
     inputs = input_array(u)
     tables = _tables(hystereses) if initial in ("negative", "positive") else ()
     samples = len(hystereses) * inputs.size
-    if tables and inputs.size and compiled.worth_compiling(tables[0].keyed, samples, use_compiled):
+    if tables and inputs.size and fast.worth_compiling(tables[0].keyed, samples, compiled):
         return _along_tables(tables, inputs, positive=initial == "positive")
     y = np.empty((len(hystereses), inputs.size))
     for outputs, hysteresis in zip(y, hystereses):
-        outputs[:] = Preisach(hysteresis, compiled=use_compiled, samples=samples).simulate(inputs, initial)
+        outputs[:] = Preisach(hysteresis, compiled=compiled, samples=samples).simulate(inputs, initial)
     return y
 
 
@@ -56,7 +56,7 @@ def _along_tables(tables: Sequence[FodTable], inputs: Array, *, positive: bool) 
     first, y = tables[0], np.empty((len(tables), inputs.size))
     keyed = first.keyed
     assert keyed.compiled_keys is not None  # noqa: S101 - that of a table
-    run = compiled.compiled_tables(keyed.between, keyed.compiled_keys)
+    run = fast.compiled_tables(keyed.between, keyed.compiled_keys)
     nodes, inner, _, width = keyed.params
     params = np.array(nodes), bucketed(np.array(inner, float), "right"), width
     now, (key, _) = (first.upper if positive else first.lower), keyed.place(keyed.params, first.lower)
@@ -68,5 +68,5 @@ def _along_tables(tables: Sequence[FodTable], inputs: Array, *, positive: bool) 
         ends = first.lower, first.upper, float(key), base[models], now, out[models]
         run(params, drops, inputs, *ends, y[models])
 
-    compiled.in_threads(follow, len(tables), inputs.size)
+    fast.in_threads(follow, len(tables), inputs.size)
     return y

@@ -18,7 +18,6 @@ def run_of_arrays(u: Array, y: Array, t_s: Array | None = None, unit: str = "") 
         columns["t_s"] = t_s
     meta = {
         "source": "import",
-        "imported": "arrays",
         "input": {"quantity": "input", "unit": "", "from": "measured"},
         "output": {"quantity": "output", "unit": unit},
         "end": {"cause": "done"},

@@ -31,11 +31,17 @@ def _has_power(run: Run) -> bool:
     """Whether voltage and current tell the heat of a single wire: a twin may be heated by its mean resistance."""
     measured = run.has("voltage_V") and run.has("current_A") and run.has("ambient_degC")
     actuator = _actuator(run) if measured else None
-    return actuator is not None and not is_heated_by_model(run, actuator)
+    return actuator is not None and not _heated_by_mean_resistance(run, actuator)
 
 
 def is_heated_by_model(run: Run, actuator: Actuator) -> bool:
-    """Whether a run is of a twin whose wire obeys the heating model (5.1), so that its temperatures are exact."""
+    """Whether a run is of a twin whose wire obeys the heating model (5.1), so that its temperatures are exact. An
+    injected effect may change the heating.
+    """
+    return _heated_by_mean_resistance(run, actuator) and not run.info.effects
+
+
+def _heated_by_mean_resistance(run: Run, actuator: Actuator) -> bool:
     file = actuator.file
     return run.twin and file.thermomechanical is None and file.heating.twin_heat == "mean_resistance"
 

@@ -12,6 +12,13 @@ from smarig.exchange import FoundColumn, FoundTable, continued_counts, convert, 
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
 from smarig.study.message_units import REASON, are_messages, si_unit
+from smarig.study.quantity_units import (
+    is_of_motion,
+    is_rate_unit,
+    is_strain_unit,
+    quantity_in_unit,
+    quantity_of_unit,
+)
 from smarig.study.shared_prefixes import shared_prefix
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
@@ -97,7 +104,7 @@ class ColumnGuess:
     def corrected(self, unit: str) -> "ColumnGuess":
         """The guess with a unit that the user gave."""
         strain = self.by_numbers and dimension(unit) == "ratio" and self.quantity == q.DISPLACEMENT
-        by_unit = q.STRAIN if strain else q.quantity_of_unit(unit)
+        by_unit = q.STRAIN if strain else quantity_of_unit(unit)
         other = by_unit and dimension(unit) not in q.DIMENSIONS.get(self.quantity, ())
         reason = f"its unit {unit}" if self.quantity else ""  # without any, the loop still decides the roles
         meant = self
@@ -171,9 +178,9 @@ def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
     celsius = unit == written.strip() == "C" and not quantity
     if celsius and like_temperature(facts):
         quantity, unit = q.TEMPERATURE, "degC"
-    quantity = q.quantity_in_unit(quantity, unit, label)
-    by_unit = q.STRAIN if q.is_strain_unit(written) else q.quantity_of_unit(unit)
-    by_unit = q.RATE if q.is_rate_unit(written) else by_unit
+    quantity = quantity_in_unit(quantity, unit, label)
+    by_unit = q.STRAIN if is_strain_unit(written) else quantity_of_unit(unit)
+    by_unit = q.RATE if is_rate_unit(written) else by_unit
     confidence = LIKELY if quantity else 0.0
     reason = f"its name {shown(label)}" if quantity else ""
     stated_by: Literal["", "name", "unit", "clock"] = "name" if quantity else ""
@@ -191,7 +198,7 @@ def _by_name(facts: ColumnFacts, prefix: str = "") -> ColumnGuess:
     counter = (
         counts_rows(facts) and not unit and (quantity == q.DISPLACEMENT or q.is_letter_with_index(label))
     )
-    if counter or (quantity == q.DISPLACEMENT and not q.is_of_motion(written)):
+    if counter or (quantity == q.DISPLACEMENT and not is_of_motion(written)):
         quantity, reason, confidence = "", "", 0.0
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
@@ -263,7 +270,7 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
     has_temperature = any(g.quantity == q.TEMPERATURE for g in out)
     for guess in warm if not has_temperature else []:
         out[out.index(guess)] = _found(guess, q.TEMPERATURE, _as_celsius(guess.facts), LIKELY)
-    for guess in [g for g in out if g in unknown and q.is_of_motion(_written(g.facts))]:
+    for guess in [g for g in out if g in unknown and is_of_motion(_written(g.facts))]:
         loaded = any(g.quantity == q.STRESS for g in out)
         most = max(abs(guess.facts.low), abs(guess.facts.high))
         hot = any(g.quantity == q.TEMPERATURE for g in out)
@@ -317,7 +324,7 @@ def _value_in_name(f: ColumnFacts, files: Sequence[str]) -> str:
     for text in files:
         for value, unit in VALUE_IN_NAME.findall(text):
             if abs(float(value.replace(",", ".")) - mean) <= 0.05 * abs(mean):
-                return "frequency" if unit == "Hz" else q.quantity_of_unit(unit) or q.TEMPERATURE
+                return "frequency" if unit == "Hz" else quantity_of_unit(unit) or q.TEMPERATURE
     return ""
 
 

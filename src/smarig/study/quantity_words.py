@@ -79,38 +79,17 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
 )
 _LETTERS = re.compile(
     r"[iu]\w{1,5}", re.IGNORECASE
-)  # a letter of current or voltage, and what may be its index
+)  # letter of a current or voltage, and what may be its index
 _BRANCH = re.compile(
     r"(?<![a-z])(heat(ing)?|cool(ing)?|up|down|forth|back(ward)?|forward|reverse|fwd|bwd|rev|(in|de)creasing|rising|"
     r"falling|(a|de)scending)(?![a-z])",
     re.IGNORECASE,
 )
-_ELONGATION = re.compile(r"extens|elong|allonge")
 _COMMANDED = re.compile(
     r"\b(set|soll|vorgabe|command|cmd|target|setpoint|demand|desired|reference|ref|consign[ea]|sp\b)|zad|sollwert"
 )
 _REMARKED = re.compile(r"set ?point|set value|\bsoll|vorgabe|\bcommand|\btarget|\bdemand|consign[ea]|zadan")
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")  # fSollStrom, TSetpoint
-_BY_DIMENSION = {
-    "time": TIME,
-    "temperature": TEMPERATURE,
-    "length": DISPLACEMENT,
-    "angle": ANGLE,
-    "stress or pressure": STRESS,
-    "force": FORCE,
-    "current": CURRENT,
-    "voltage": VOLTAGE,
-    "resistance": RESISTANCE,
-    "resistivity": RESISTIVITY,
-    "power": POWER,
-    "magnetic field": FIELD,
-    "magnetic moment": MOMENT,
-    "specific moment": MAGNETISATION,
-    "polarisation": POLARISATION,
-    "electric field": ELECTRIC_FIELD,
-    "heat flow": HEAT_FLOW,
-    "charge": CHARGE,
-}
 DIMENSIONS = {  # of the units in which a quantity may be given
     TIME: ("time",),
     TEMPERATURE: ("temperature",),
@@ -160,18 +139,13 @@ USUAL_UNITS = {  # by quantity, the most usual first
     CHARGE: ("C", "uC", "Ah"),
     DUTY: ("%", "1", "count"),
 }
-_RELATIVE = ("mm/mm", "1e-3", "ppm", "%")  # units of changes of length
-_OF_GASES = ("Torr", "mbar", "hPa", "atm", "bar")  # no stress of a solid is given in them
 _BRACKET = re.compile(r"[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*")
 _EMPTY_BRACKET = re.compile(r"\s*(\[\s*\]|\(\s*\)|<\s*>|\{\s*\})")
 _REMARK = re.compile(r"[^:]+:\s.*")  # "LGR S/N: 10224511" in a bracket is no unit
 _BRACKETED_NAME = re.compile(r"^\(([^()/]+)\)\s*/\s*(\S+)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
 _BEHIND_LAST_STROKE = re.compile(r"^(.+)\s*/\s*(\S+)$")  # dL/L0/%
-_PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?-1|⁻¹))")
-_INPUTS_ONLY = (TEMPERATURE, AMBIENT, CURRENT, VOLTAGE, POWER, DUTY)
 _WORD = re.compile(r"[^_\s]+")
-_RATE_UNIT = re.compile(r".+/(s|ms|min|h|d)")
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
 
 
@@ -266,8 +240,8 @@ def quantity_of_name(name: str) -> tuple[str, bool]:
     >>> quantity_of_name("Kraft"), quantity_of_name("T_soll"), quantity_of_name("spam")
     (('force', False), ('', True), ('', False))
     """
-    plain = _plain(name)
-    quantity = next((q for q, words in _WORDS if re.search(words, plain)), "")
+    text = plain(name)
+    quantity = next((q for q, words in _WORDS if re.search(words, text)), "")
     return quantity, is_commanded(name)
 
 
@@ -277,7 +251,7 @@ def is_commanded(text: str) -> bool:
     >>> is_commanded("fSollKraft"), is_commanded("MAIN.fActForce"), is_commanded("Consigne"), is_commanded("offset")
     (True, False, True, False)
     """
-    return any(_COMMANDED.search(_plain(words)) for words in (text, _CAMEL.sub(" ", text)))
+    return any(_COMMANDED.search(plain(words)) for words in (text, _CAMEL.sub(" ", text)))
 
 
 def is_remarked_as_commanded(comment: str) -> bool:
@@ -286,7 +260,7 @@ def is_remarked_as_commanded(comment: str) -> bool:
     >>> is_remarked_as_commanded("Sollwert"), is_remarked_as_commanded("ref. 20 °C, set 3")
     (True, False)
     """
-    return _REMARKED.search(_plain(comment)) is not None
+    return _REMARKED.search(plain(comment)) is not None
 
 
 def is_letter_with_index(name: str) -> bool:
@@ -304,13 +278,13 @@ def is_quotient(name: str) -> bool:
     >>> is_quotient("dB/dt"), is_quotient("ΔL/L0"), is_quotient("rig/temp")
     (True, True, False)
     """
-    return quantity_of_name(name)[0] == RATE or re.search(_OF_LENGTHS, _plain(name)) is not None
+    return quantity_of_name(name)[0] == RATE or re.search(_OF_LENGTHS, plain(name)) is not None
 
 
-def _plain(name: str) -> str:
+def plain(name: str) -> str:
     """A name in small letters without accents, with one blank for each other sign between its words."""
-    plain = without_accents(name.replace("ß", "ss").replace("ε", "eps").replace("σ", "sigma")).lower()
-    return re.sub(r"[_\s.:-]+", " ", plain).strip()
+    text = without_accents(name.replace("ß", "ss").replace("ε", "eps").replace("σ", "sigma")).lower()
+    return re.sub(r"[_\s.:-]+", " ", text).strip()
 
 
 def without_accents(text: str) -> str:
@@ -329,69 +303,3 @@ def without_branch(label: str) -> str:
     ('R', 'M')
     """
     return _BRANCH.sub("", label).strip(" _.-")
-
-
-def is_rate_unit(written: str) -> bool:
-    """Whether a unit is one of a possible output, per time.
-
-    >>> is_rate_unit("T/s"), is_rate_unit("1/s"), is_rate_unit("ml/min"), is_rate_unit("°C/min")
-    (True, True, False, False)
-    """
-    match = _PER_TIME.fullmatch(written.strip())
-    if match is None:
-        return False
-    base = known_unit(match[1] or "1")
-    quantity = STRAIN if dimension(base) == "ratio" else quantity_of_unit(base)
-    return quantity not in ("", *NO_SIGNALS, *_INPUTS_ONLY)
-
-
-def quantity_of_unit(unit: str) -> str:
-    """The quantity that a unit measures, "" for ratios, counts and unknown units, and for C, which may mean °C.
-
-    >>> quantity_of_unit("N"), quantity_of_unit("%"), quantity_of_unit("K/min"), quantity_of_unit("Torr")
-    ('force', '', 'rate', 'pressure')
-    """
-    if unit == "C":
-        return ""
-    if unit in _OF_GASES:
-        return PRESSURE
-    return RATE if _RATE_UNIT.fullmatch(unit) else _BY_DIMENSION.get(dimension(unit), "") if unit else ""
-
-
-def is_of_motion(written: str) -> bool:
-    """Whether a unit as written may be that of a motion: none, a length, a ratio, counts, or one that is not known at
-    all. One of known parts, as V/mA, is no motion.
-
-    >>> is_of_motion(""), is_of_motion("mV/V"), is_of_motion("a.u."), is_of_motion("V/mA"), is_of_motion("mA.h")
-    (True, True, True, False, False)
-    """
-    unit = known_unit(written)
-    if unit:
-        return dimension(unit) in ("length", "ratio", "raw counts", "voltage ratio")
-    return not written or not all(known_unit(part) for part in written.split("/"))
-
-
-def is_strain_unit(written: str) -> bool:
-    """Whether a unit as it is written says that a ratio is a strain.
-
-    >>> is_strain_unit("microstrain"), is_strain_unit("µm/m"), is_strain_unit("ppm"), is_strain_unit("%")
-    (True, True, False, False)
-    """
-    unit = known_unit(written)
-    of_lengths = "/" in written and unit in ("mm/mm", "ppm")
-    return of_lengths or (unit == "ppm" and re.search("strain|[εɛ]", written.lower()) is not None)
-
-
-def quantity_in_unit(quantity: str, unit: str, name: str = "") -> str:
-    """A quantity that its letter names, as its unit tells it from another: a moment in A/m is a magnetisation, and a
-    displacement in mm/mm a strain; a position in % may be one of a valve, unless its name is that of an elongation.
-
-    >>> quantity_in_unit(MOMENT, "kA/m"), quantity_in_unit(MOMENT, "emu"), quantity_in_unit(RESISTANCE, "ohm cm")
-    ('magnetisation', 'magnetic moment', 'resistivity')
-    >>> quantity_in_unit(DISPLACEMENT, "mm/mm"), quantity_in_unit(DISPLACEMENT, "%", "Extensometer 1")
-    ('strain', 'strain')
-    """
-    if quantity == DISPLACEMENT and unit in _RELATIVE:
-        return STRAIN if unit != "%" or _ELONGATION.search(_plain(name)) else quantity
-    other = {(MOMENT, "magnetic field"): MAGNETISATION, (RESISTANCE, "resistivity"): RESISTIVITY}
-    return other.get((quantity, dimension(unit)), quantity)

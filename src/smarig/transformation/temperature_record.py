@@ -3,6 +3,7 @@
 Steps that settled give one reading each; a run without such steps gives all of its samples.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,7 +123,7 @@ def _route(run: Run) -> _Route:
     """By the best that the run has measured: a thermometer, voltage and current, or the current alone."""
     if "heating model" not in (run.info.input.from_ or ""):
         return _Route(run)
-    source, actuator = temperature_source([run]), recorded_actuator(run)
+    source, actuator = temperature_source([run]), _actuator(run)
     run = with_wire_temperature(run, source)
     if source == "thermometer":
         return _Route(run)
@@ -133,6 +134,13 @@ def _route(run: Run) -> _Route:
         return _Route(run, actuator, notes=(f"{note} The wire of this twin is heated by that model.",))
     error = heat_loss_error(actuator, measured_power=source == "power")
     return _Route(run, actuator, error, (f"{note} {error.sentence}",))
+
+
+def _actuator(run: Run) -> Actuator | None:
+    """The wire; a run that settled needs no lag of it, so its file may be missing."""
+    with suppress(*(UsageError,) if run.settled else ()):
+        return recorded_actuator(run)
+    return None
 
 
 def _check_input(run: Run) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from smarig.core import Array
 from smarig.exchange.binary.hdf5_process import Hdf5Group
-from smarig.exchange.layouts.joined_clocks import joined_clocks
+from smarig.exchange.layouts.joined_clocks import joined_clocks, share_times
 from smarig.exchange.tables.found_table import FoundColumn
 from smarig.exchange.units.unit_conversion import convert, dimension
 from smarig.exchange.units.written_units import known_unit
@@ -65,7 +65,7 @@ def _top(log: _Log) -> str:
 def _joined(logs: Sequence[_Log]) -> JoinedLogs | None:
     """The logs in common rows; None if nothing says when each began, or if they were not taken at one time."""
     clocks = _clocks(logs)
-    if not clocks or max(clock[0] for clock in clocks) >= min(clock[-1] for clock in clocks):
+    if not clocks or not share_times(clocks):
         return None
     joined = joined_clocks(clocks)
     names = _names(logs)

@@ -111,7 +111,7 @@ def _rows(path: Path, group: Any) -> _Rows:
     clocked = [] if named else [channel for channel in numeric if channel.properties.get("wf_increment")]
     if not clocked or any(len(channel) == usual and channel not in clocked for channel in numeric):
         columns = tuple(_column(path, channel) for channel in numeric if len(channel) == usual)
-        return _Rows(columns, (*_missing(columns), *_left_out([c for c in numeric if len(c) != usual])))
+        return _Rows(columns, (*_gaps(columns), *_left_out([c for c in numeric if len(c) != usual])))
     clocks = _clocks(clocked)
     joined = joined_clocks(clocks)
     read = [_column(path, channel) for channel in clocked]
@@ -121,10 +121,11 @@ def _rows(path: Path, group: Any) -> _Rows:
     several = any(not np.array_equal(clock, clocks[0]) for clock in clocks)
     done = (joined.sentence(read[joined.base].name),) if several else ()
     left = [channel for channel in numeric if channel not in clocked]
-    return _Rows(tuple(columns), (*_missing(read), *done, *_left_out(left)))
+    return _Rows(tuple(columns), (*_gaps(read), *done, *_left_out(left)))
 
 
-def _missing(columns: Sequence[FoundColumn]) -> list[str]:
+def _gaps(columns: Sequence[FoundColumn]) -> list[str]:
+    """Findings on channels one by one: their lengths may differ."""
     return [note for column in columns for note in missing_notes({column.name: column.values})]
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from smarig.core import DataError, shown
 from smarig.exchange.layouts.logged_rows import LoggedRows
+from smarig.exchange.text.header_words import UNIT_WORD
 from smarig.exchange.units.written_units import known_unit
 
 _CHANNEL = re.compile(r"channel|chan\.?|ch\.?|kanal|canal|voie", re.IGNORECASE)
-_UNIT = re.compile(r"units?|einheit|unit[éà]|unidad", re.IGNORECASE)
 _READING = re.compile(r"readings?|values?|measurement|messwert|wert|valeur|valor|data", re.IGNORECASE)
 _HEADER_WITHIN = 200  # lines
 _SIGNS = ("\t", ";", ",")
@@ -61,12 +61,12 @@ def channel_rows(lines: Sequence[str]) -> LoggedRows:
 
 def check_one_channel(path: Path, names: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Raise DataError for a table whose readings are those of several channels or units in one column."""
-    places = [k for k, name in enumerate(names) if _CHANNEL.fullmatch(name) or _UNIT.fullmatch(name)]
+    places = [k for k, name in enumerate(names) if _CHANNEL.fullmatch(name) or UNIT_WORD.fullmatch(name)]
     columns = [[row[k] for k in places if k < len(row)] for row in rows] if places else []
     for j, k in enumerate(places):
         cells = [row[j] for row in columns if j < len(row) and row[j] != names[k]]
         found = list(dict.fromkeys(cells))
-        what = "units" if _UNIT.fullmatch(names[k]) else "channels"
+        what = "units" if UNIT_WORD.fullmatch(names[k]) else "channels"
         mixed = len({known_unit(cell) for cell in found} - {""}) > 1 if what == "units" else by_turns(cells)
         if mixed:
             listed = ", ".join(shown(cell, 20) for cell in found[:4]) + (", …" if len(found) > 4 else "")
@@ -82,7 +82,7 @@ def _place(lines: Sequence[str]) -> _Place | None:
             names = tuple(cell.strip().strip('"') for cell in line.split(sign))
             found = [
                 next((j for j, name in enumerate(names) if pattern.fullmatch(name)), -1)
-                for pattern in (_CHANNEL, _READING, _UNIT)
+                for pattern in (_CHANNEL, _READING, UNIT_WORD)
             ]
             if min(found) >= 0:
                 return _Place(k, sign, names, *found)

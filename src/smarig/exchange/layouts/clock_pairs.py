@@ -18,6 +18,7 @@ from smarig.exchange.layouts.logged_rows import LoggedRows
 from smarig.exchange.layouts.unit_cells import joined_cells
 from smarig.exchange.text.cell_values import is_number_with_any_sign
 from smarig.exchange.text.clock_cells import clock_column, clock_seconds
+from smarig.exchange.text.header_words import UNIT_WORD
 from smarig.exchange.text.no_reading import is_missing
 from smarig.exchange.text.table_rows import split
 from smarig.exchange.units.unit_conversion import convert, dimension
@@ -26,7 +27,6 @@ from smarig.exchange.units.written_units import known_unit
 _HEADER_WITHIN = 200  # lines
 _SIGNS = ("\t", ";", ",")
 _NAME = re.compile(r"(channel|signal|symbol|kanal)?[ _]?name|channel|signal|kanal", re.IGNORECASE)
-_UNIT = re.compile(r"units?|einheit", re.IGNORECASE)
 _PERIOD = re.compile(
     r"(?:sampl\w*|abtast)[ _-]?(?:time|period|interval|zeit|intervall)\s*[\[(](\w+)[\])]", re.IGNORECASE
 )
@@ -148,7 +148,7 @@ def _of_keys(lines: Sequence[str], first: int, sign: str, names: Sequence[str]) 
         if len(keys) != 1 or is_number_with_any_sign(cells[0]):
             break
         last, (key,), values = k, keys, [*cells[1::2], *[""] * len(names)][: len(names)]
-        units = values if _UNIT.fullmatch(key) else units
+        units = values if UNIT_WORD.fullmatch(key) else units
         if _COMMENT.fullmatch(key):
             comments = [f"{old} {new}".strip() for old, new in zip(comments, values)]
         if match := _PERIOD.fullmatch(key):

@@ -55,6 +55,11 @@ class JoinedClocks:
         )
 
 
+def share_times(clocks: Sequence[Array]) -> bool:
+    """Whether channels with times that rise were read at one time, at least in part."""
+    return max(t[0] for t in clocks) < min(t[-1] for t in clocks)
+
+
 def joined_clocks(clocks: Sequence[Array]) -> JoinedClocks:
     """The common rows of channels, whose readings have the times ``clocks``, (n,) each."""
     order = sorted(range(len(clocks)), key=lambda k: -clocks[k].size)

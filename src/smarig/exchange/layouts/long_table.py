@@ -12,6 +12,7 @@ import numpy as np
 from smarig.exchange.layouts.unit_cells import is_quantity
 from smarig.exchange.text.cell_values import is_number_with_any_sign
 from smarig.exchange.text.clock_cells import clock_seconds
+from smarig.exchange.text.header_words import UNIT_WORD
 from smarig.exchange.text.no_reading import is_missing
 from smarig.exchange.text.table_rows import split
 
@@ -28,7 +29,6 @@ _VALUE = re.compile(
     re.IGNORECASE,
 )
 _TIME = re.compile(r".*(time|zeit|date|datum|stamp|changed).*|ts?", re.IGNORECASE)
-_UNIT = re.compile(r"units?|einheit|unit[éà]|unidad", re.IGNORECASE)
 _QUALITY = re.compile(
     r"(opc)?[ _]?(validity|valid|quality|qualität|gültig|gültigkeit)[ _]?(code)?", re.IGNORECASE
 )
@@ -149,7 +149,7 @@ def _header(line: str) -> LongHeader | None:
             variable = sorted({*variable, *tags})
         times = tuple(j for j, name in enumerate(names) if _TIME.fullmatch(name) and j not in variable)
         return LongHeader(
-            names, sign, tuple(variable), value, times, _first(names, _UNIT), _first(names, _QUALITY)
+            names, sign, tuple(variable), value, times, _first(names, UNIT_WORD), _first(names, _QUALITY)
         )
     return None
 

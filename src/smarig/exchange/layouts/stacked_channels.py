@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import Array
-from smarig.exchange.layouts.joined_clocks import joined_clocks
+from smarig.exchange.layouts.joined_clocks import joined_clocks, share_times
 from smarig.exchange.layouts.logged_rows import LoggedRows
 from smarig.exchange.text.cell_values import is_number_with_any_sign
 from smarig.exchange.text.clock_cells import clock_column, clock_seconds
@@ -44,7 +44,7 @@ def stacked_channels(path: Path, lines: Sequence[str]) -> LoggedRows:
     """
     channels = _channels(lines)
     clocks = _clocks(path, channels)
-    if not clocks or max(t[0] for t in clocks) >= min(t[-1] for t in clocks):
+    if not clocks or not share_times(clocks):
         return LoggedRows(list(lines))
     joined = joined_clocks(clocks)
     base = channels[joined.base]

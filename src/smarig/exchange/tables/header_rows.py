@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from smarig.exchange.tables.found_table import CLOCK, NUMBER, TEXT
 from smarig.exchange.tables.number_style import NumberStyle
 from smarig.exchange.tables.text_table import HEADER_WITHIN
-from smarig.exchange.text.header_words import ALIGNED, has_bracketed_units, with_brackets_joined
+from smarig.exchange.text.header_words import ALIGNED, UNIT_WORD, has_bracketed_units, with_brackets_joined
 from smarig.exchange.units.written_units import is_unit, is_units_row, without_markup
 
 HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
@@ -25,7 +25,6 @@ _LISTED = re.compile(r"(\D{0,40}?)\s*(\d{1,4})\s*(?:[:=.)\]\t,;]|\s)\s*(\S.*)")
 _NAMES_LABEL = re.compile(
     r"(?:long[ _]?|column[ _]?|channel[ _]?)?names?|langname|bezeichnung|noms?", re.IGNORECASE
 )
-_UNITS_LABEL = re.compile(r"units?|einheit(?:en)?|unit[éà]s?", re.IGNORECASE)
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 
@@ -139,7 +138,7 @@ def _labelled_rows(rows: Sequence[Sequence[str]], kinds: Sequence[str], first: i
         if kinds[k] == "data":
             break
         starts = [row[0].rstrip(" :=") if row else "" for row in rows[k - 1 : k + 1]]
-        if _NAMES_LABEL.fullmatch(starts[0]) and _UNITS_LABEL.fullmatch(starts[1]):
+        if _NAMES_LABEL.fullmatch(starts[0]) and UNIT_WORD.fullmatch(starts[1]):
             return k - 1, k
     return None
 

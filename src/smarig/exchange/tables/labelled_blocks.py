@@ -82,9 +82,8 @@ def _without_label(group: Sequence[str], places: Sequence[tuple[int, int]]) -> L
     text = group[0][slice(*places[0])]
     if len(set(heads)) == 1:
         rest = _rest(heads[0] + text, tails)
-        rest = (
-            "" if rest in tails else rest
-        )  # a name that would be left without a word is no unit of the label
+        if rest in tails:  # a name would be left without a word
+            rest = ""
         names = [tail.removeprefix(rest).lstrip(_BETWEEN + ")]}>") for tail in tails]
         return LabelledBlock((heads[0] + text + rest).strip(_BETWEEN + _OPENING), tuple(names))
     before = _word_end(_shared([head[::-1] for head in heads])[::-1])

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 from smarig.exchange.layouts.unit_cells import is_quantity
 from smarig.exchange.text.cell_values import is_number_with_any_sign
+from smarig.exchange.text.header_words import UNIT_WORD
 from smarig.exchange.units.units import UNITS
 from smarig.exchange.units.written_units import known_unit
 
-_UNIT = re.compile(
-    r"(?:[\w.]+[ _-])?(?:units?|einheit(?:en)?|unit[éàa]s?|unidad(?:es)?|eenheid)", re.IGNORECASE
-)
-_STATED = re.compile(r".*\b(?:units?|einheiten|unités|unidades|unità)\b[^:=]*[:=]\s*(.+)", re.IGNORECASE)
+_UNIT = re.compile(rf"(?:[\w.]+[ _-])?(?:{UNIT_WORD.pattern})", re.IGNORECASE)
+_STATED = re.compile(rf".*\b(?:{UNIT_WORD.pattern})\b[^:=]*[:=]\s*(.+)", re.IGNORECASE)
 _PART = re.compile(r"(\w.*?)\s*(?:[\s:=]|\bin\b)\s*[\[(]?([^\s\[\]()]+)[\])]?")
 _WORD = re.compile(r"\w+")
 _FEWEST = 2  # columns that a list names

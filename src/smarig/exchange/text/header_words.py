@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from smarig.exchange.units.written_units import is_unit
 
 ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
+UNIT_WORD = re.compile(
+    r"units?|einheit(?:en)?|unit[éàa]s?|unidad(?:es)?|eenheid", re.IGNORECASE
+)  # of a heading
 _PLACED = re.compile(r"\S+(?: \S+)*")  # words that blanks align: one blank divides words of one cell
 _LAST_BRACKET = re.compile(r"[^\s\[(].*[\[(]([^\[\]()]*)[\])]\s*")
 
