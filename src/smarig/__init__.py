@@ -13,6 +13,7 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.app import SteppedRun as SteppedRun
+    from smarig.app import certify as certify
     from smarig.app import fit as fit
     from smarig.app import regulate as regulate
     from smarig.app import simulate as simulate

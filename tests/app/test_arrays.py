@@ -1,5 +1,7 @@
 """What someone who knows NumPy tries first: arrays, runs and paths in, arrays out, or what to call instead."""
 
+import hashlib
+
 import numpy as np
 import pytest
 
@@ -87,3 +89,32 @@ def test_a_wrong_call_says_which_is_right(runs):
         smarig.fit(TRAIN, ["a"] * TRAIN.size)
     with pytest.raises(DataError):
         smarig.fit(TRAIN, np.zeros(TRAIN.size))  # it does not move
+
+
+def test_loops_and_certificates_take_models_results_and_paths(runs, tmp_path):
+    found = smarig.identify(runs[0])
+    saved = found.model.save(tmp_path / "m.json")
+    t_s, position = [0.0, 2.0, 4.0], [3.0, 5.0, 5.0]
+    tracked = [
+        smarig.track(model, wanted, rig="one_wire_twin", out=tmp_path / f"{k}.run.sqlite")
+        for k, (model, wanted) in enumerate([(found, np.array([t_s, position])), (saved, (t_s, position))])
+    ]
+    assert tracked[0]["position"].tolist() == tracked[1]["position"].tolist()
+    hashes = {run.info.settings["model_sha256"] for run in tracked}
+    assert hashes == {hashlib.sha256(saved.read_bytes()).hexdigest()}
+    held = smarig.regulate(found.model, 6.0, rig="one_wire_twin", out=tmp_path / "r.run.sqlite", hold_s=1.0)
+    assert held.cause == "done"
+    certified = [smarig.certify(model).text for model in (found, found.model, saved)]
+    assert len(set(certified)) == 1
+    assert "issipa" in certified[0]
+
+
+def test_a_reference_that_is_none_says_what_one_is(runs, tmp_path):
+    model, on = smarig.identify(runs[0]), {"rig": "one_wire_twin", "out": tmp_path / "t.run.sqlite"}
+    with pytest.raises(UsageError, match="two rows of numbers: times in s from 0, and positions"):
+        smarig.track(model, np.zeros(5), **on)
+    with pytest.raises(UsageError, match="times must start at 0 and increase"):
+        smarig.track(model, [[1.0, 2.0], [3.0, 5.0]], **on)
+    with pytest.raises(UsageError, match="apply to steps, ramps and multisine only"):
+        smarig.track(model, [[0.0, 2.0], [3.0, 5.0]], **on, seconds=5)
+    assert not on["out"].exists()

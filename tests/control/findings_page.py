@@ -3,9 +3,9 @@
 import numpy as np
 
 from control.driven import drive
-from smarig.certify.position_assumptions import indistinguishable_states
-from smarig.certify.position_supply_rate import PositionController, SupplyRate
-from smarig.certify.velocity import k_e, velocity_loop
+from smarig.certificate.position_assumptions import indistinguishable_states
+from smarig.certificate.position_supply_rate import PositionController, SupplyRate
+from smarig.certificate.velocity import k_e, velocity_loop
 from smarig.control.position_feedback import SwitchedGain, position_loop
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.velocity_protocol import velocity_feedback

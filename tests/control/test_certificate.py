@@ -9,17 +9,17 @@ import pytest
 
 from control.measures import table
 from control.model_files import model_of
-from smarig.certify.certificate_scope import (
+from smarig.certificate.certificate_scope import (
     CertificateScope,
     limits,
     position_controllers,
     position_loops,
     scheduling,
 )
-from smarig.certify.certificate_units import Units
-from smarig.certify.certify_hysteresis import certificate
-from smarig.certify.hypothesis import Hypothesis, coverage
-from smarig.certify.passivity import passivity
+from smarig.certificate.certificate_units import Units
+from smarig.certificate.certify_hysteresis import certificate
+from smarig.certificate.hypothesis import Hypothesis, coverage
+from smarig.certificate.passivity import passivity
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from control.findings_page import CLASSES
 from control.measures import DT_S, tables
-from smarig.certify.position_assumptions import indistinguishable_states, supply_while_held
-from smarig.certify.position_supply_rate import PositionController, SupplyRate
+from smarig.certificate.position_assumptions import indistinguishable_states, supply_while_held
+from smarig.certificate.position_supply_rate import PositionController, SupplyRate
 from smarig.control.position_feedback import SwitchedGain, position_loop
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface

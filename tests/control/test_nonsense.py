@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from smarig.certify.position_assumptions import supply_while_held
-from smarig.certify.position_supply_rate import SupplyRate
-from smarig.certify.velocity import inequalities, k_e, stability, violating_signal
-from smarig.certify.velocity.stability import sharp_bound
+from smarig.certificate.position_assumptions import supply_while_held
+from smarig.certificate.position_supply_rate import SupplyRate
+from smarig.certificate.velocity import inequalities, k_e, stability, violating_signal
+from smarig.certificate.velocity.stability import sharp_bound
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.controllers.lead_lag import lead_lag
 from smarig.core.errors import UsageError

@@ -13,8 +13,8 @@ import pytest
 
 from control.model_files import model_of
 from rig.bench.broken_rig import LEASE_S, rig_file
-from smarig.certify.certify_hysteresis import certificate
-from smarig.certify.rig_assessment import RigAssessment
+from smarig.certificate.certify_hysteresis import certificate
+from smarig.certificate.rig_assessment import RigAssessment
 from smarig.config import load_rig
 from smarig.control.controller_settings import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, default_numbers
 from smarig.control.regulation import regulate

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from smarig.certify.passivity import counterexample, passivity
+from smarig.certificate.passivity import counterexample, passivity
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from control.model_files import model_of
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
-from smarig.certify.measured_passivity import (
+from smarig.certificate.hysteresis_analysis import HysteresisAnalysis
+from smarig.certificate.measured_passivity import (
     SPREADS,
     noise_weight,
     reading_noise,
     segment_passivity,
     trapezoid,
 )
-from smarig.certify.passivity import counterexample, passivity
+from smarig.certificate.passivity import counterexample, passivity
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.run_passivity import passivity_of_run
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface

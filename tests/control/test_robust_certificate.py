@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from control.model_files import model_file
-from smarig.certify import model_posterior, robust_certificate
-from smarig.certify.robust_certificate import Share
+from smarig.certificate import model_posterior, robust_certificate
+from smarig.certificate.robust_certificate import Share
 from smarig.cli import run as cli
 from smarig.core import UsageError
 from smarig.identification.fod_data import FodData

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from control.measures import controllers, signals
-from smarig.certify.velocity import inequalities, violating_signal
-from smarig.certify.velocity.passivity_indices import response
+from smarig.certificate.velocity import inequalities, violating_signal
+from smarig.certificate.velocity.passivity_indices import response
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.controllers.lead_lag import lead_lag
 from smarig.control.velocity.controllers.leaky_pi import leaky_pi

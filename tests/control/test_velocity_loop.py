@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from control.measures import DT_S, controllers, signals, table, tables
-from smarig.certify.velocity import k_e, stability, velocity_loop
-from smarig.certify.velocity.passivity_indices import response
+from smarig.certificate.velocity import k_e, stability, velocity_loop
+from smarig.certificate.velocity.passivity_indices import response
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.controllers.leaky_pi import leaky_pi
 from smarig.core.errors import DataError, UsageError

@@ -6,9 +6,9 @@ import pytest
 
 from control.driven import drive
 from smarig.app.velocity_loop import velocity_factory
-from smarig.certify.certify_hysteresis import certificate
-from smarig.certify.rig_assessment import RigAssessment
-from smarig.certify.velocity import k_e, velocity_loop
+from smarig.certificate.certify_hysteresis import certificate
+from smarig.certificate.rig_assessment import RigAssessment
+from smarig.certificate.velocity import k_e, velocity_loop
 from smarig.control.tracking import Reference
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.velocity_protocol import (

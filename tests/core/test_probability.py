@@ -54,7 +54,7 @@ def test_a_characterisation_loads_neither_scipy_stats_nor_scipy_signal():
     program = """
 import sys
 import smarig.app.characterise, smarig.diagnosis.diagnose, smarig.diagnosis.comparison.measured.measured_diagnosis
-import smarig.certify.robust_certificate, smarig.identification.extended.choose_extension, smarig.report.drawing
+import smarig.certificate.robust_certificate, smarig.identification.extended.choose_extension, smarig.report.drawing
 print([name for name in ("scipy.stats", "scipy.signal", "matplotlib.backends.backend_pdf") if name in sys.modules])
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

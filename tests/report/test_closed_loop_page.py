@@ -10,7 +10,7 @@ from report.pages import Page, run_of, unpacked
 from smarig.app.loop_model import ModelSource
 from smarig.app.regulation_loop import regulation
 from smarig.app.tracking_loop import tracking
-from smarig.certify.certify_hysteresis import certificate
+from smarig.certificate.certify_hysteresis import certificate
 from smarig.control.regulation.regulation_protocol import SETPOINT_DISTURBED
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import Event, load_run

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from smarig.app.characterise import characterise as characterise
     from smarig.app.characterised_folder import characterised_folder as characterised_folder
     from smarig.app.characterised_folder import is_characterisation as is_characterisation
+    from smarig.app.closed_loop import certify as certify
     from smarig.app.closed_loop import regulate as regulate
     from smarig.app.closed_loop import track as track
     from smarig.app.loop_model import ClosedLoop as ClosedLoop

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from smarig.app.loop_model import AnyModel, model_of
 from smarig.core import Array, DataError, UsageError
-from smarig.identification import Identification, identify
+from smarig.identification import identify
 from smarig.preisach import Initial, vector
 from smarig.record import Run, load_run, run_of_arrays
-from smarig.replay import Model, load_model, simulate_samples, with_heating_of
+from smarig.replay import Model, simulate_samples, with_heating_of
 
 FEWEST = 3  # readings: with fewer, nothing tells noise from motion
-AnyModel = Model | Identification | str | Path
 
 
 def simulate(model: AnyModel, along: Run | str | Path | ArrayLike, initial: Initial = "negative") -> Array:
@@ -23,7 +23,7 @@ def simulate(model: AnyModel, along: Run | str | Path | ArrayLike, initial: Init
     the output at each of its samples (n,), NaN where the memory or the input is unknown. A run states how it began.
     Raises UsageError for other shapes, or for a run with an input in another unit.
     """
-    known = _model_of(model)
+    known = model_of(model)
     if isinstance(along, str | Path):
         along = load_run(along)
     if isinstance(along, Run):
@@ -54,9 +54,3 @@ def fit(
     if known < FEWEST:
         raise DataError(f"fit needs {FEWEST} readings or more of input and output, got {known}.")
     return identify(run_of_arrays(*rows, unit=unit), surface).model
-
-
-def _model_of(model: AnyModel) -> Model:
-    if isinstance(model, Identification):
-        return model.model
-    return model if isinstance(model, Model) else load_model(model)

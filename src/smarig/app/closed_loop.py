@@ -4,10 +4,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from smarig.app.loop_model import ClosedLoop, ModelSource, check_path
+from numpy.typing import ArrayLike
+
+from smarig.app.loop_model import AnyModel, ClosedLoop, ModelSource, check_path, timing_of
 from smarig.app.regulation_loop import regulation
 from smarig.app.tracking_loop import tracking
+from smarig.certificate import ModelCertificate, Units, certificate
 from smarig.config import load_rig
+from smarig.control import Reference
 from smarig.record import Run, load_run
 from smarig.runner import Session
 
@@ -31,8 +35,8 @@ def run_loop(
 
 
 def track(
-    model: str | Path,
-    wanted: str,
+    model: AnyModel,
+    wanted: str | ArrayLike | Reference,
     *,
     rig: str,
     out: str | Path,
@@ -44,11 +48,12 @@ def track(
     force: bool = False,
     **settings: Any,
 ) -> Run:
-    """Track a reference on a rig and return the run. The reference is steps, ramps or multisine, or a CSV
-    file.
+    """Track a reference on a rig and return the run.
 
-    ``controller`` is a name (``smarig list controllers``) or the path of an own file. ``numbers`` are the
-    controller's parameters. ``offset_K`` is u_o of a velocity controller.
+    ``wanted``: steps, ramps or multisine; a CSV file; or times in s from 0 and positions in the rig's unit, as two
+    rows (2, n), linear in between. ``model``: a model, the result of ``identify``, or a path. ``controller`` is a name
+    (``smarig list controllers``) or the path of an own file. ``numbers`` are the controller's parameters. ``offset_K``
+    is u_o of a velocity controller.
     """
     loop = tracking(
         source=ModelSource.of(model),
@@ -63,7 +68,7 @@ def track(
 
 
 def regulate(
-    model: str | Path,
+    model: AnyModel,
     setpoint: float,
     *,
     rig: str,
@@ -73,7 +78,19 @@ def regulate(
     force: bool = False,
     **settings: Any,
 ) -> Run:
-    """Bring a wire to a state of the given output, hold it there, and return the run. Settings as in
-    ``regulation``."""
+    """Bring a wire to a state of the given output, hold it there, and return the run.
+
+    ``model``: a model, the result of ``identify``, or a path. Settings as in ``regulation``.
+    """
     loop = regulation(ModelSource.of(model), load_rig(rig), setpoint, **settings)
     return run_loop(loop, rig, out, seed=seed, wire=wire, force=force)
+
+
+def certify(model: AnyModel, controllers: Mapping[str, Mapping[str, Any]] | None = None) -> ModelCertificate:
+    """What is proved about a model before a loop is closed around it; ``text`` states it.
+
+    ``model``: a model, the result of ``identify``, or a path. ``controllers``: velocity controllers with the parameters
+    that differ from their defaults; None: all of them.
+    """
+    known = ModelSource.of(model).model
+    return certificate(known.hysteresis, controllers, Units(known.unit, known.input.unit), timing_of(known))

@@ -9,29 +9,41 @@ from typing import Any
 from smarig.config import RigFile
 from smarig.control import ControllerModel, LoopTiming
 from smarig.core import SmarigError, UsageError, file_bytes
+from smarig.identification import Identification
 from smarig.plant import Actuator, effects_from_json
 from smarig.protocols import Setup
 from smarig.replay import Model, load_model
 from smarig.runner import Preview, ProtocolFactory, preview
 
+AnyModel = Model | Identification | str | Path
 LEAST_COUNTS = 10  # of the encoder, the least motion of the model that a loop can hold
+
+
+def model_of(model: AnyModel) -> Model:
+    """A model, that of an identification, or that of a file."""
+    if isinstance(model, Identification):
+        return model.model
+    return model if isinstance(model, Model) else load_model(model)
 
 
 @dataclass(frozen=True)
 class ModelSource:
-    """A model with the name and the hash of its file, as they are recorded."""
+    """A model with the name and the hash of its file, as they are recorded; without a file, of what it would have."""
 
     model: Model
     name: str
     sha256: str
 
     @classmethod
-    def of(cls, path: str | Path) -> "ModelSource":
-        """Read and hash a model file. Raises the errors of ``load_model``."""
-        check_path("The model", path)
-        model = load_model(path)
-        model.check_classical("A loop or its certificate")
-        return cls(model, Path(path).name, hashlib.sha256(file_bytes(Path(path))).hexdigest())
+    def of(cls, model: AnyModel) -> "ModelSource":
+        """The model, read if it is the path of a file. Raises the errors of ``load_model``."""
+        if not isinstance(model, Model | Identification):
+            check_path("The model", model)
+        known = model_of(model)
+        known.check_classical("A loop or its certificate")
+        if isinstance(model, str | Path):
+            return cls(known, Path(model).name, hashlib.sha256(file_bytes(Path(model))).hexdigest())
+        return cls(known, known.name, hashlib.sha256(known.file_text.encode()).hexdigest())
 
     def settings(self) -> dict[str, str]:
         """The settings that are recorded."""

@@ -5,6 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, check_path, controller_model_for
 from smarig.app.velocity_loop import checked_offset, refuse_offset, velocity_factory, velocity_reference
 from smarig.config import RigFile
@@ -24,6 +27,9 @@ from smarig.control import track as tracking_protocol
 from smarig.core import UsageError, catalogue_names, is_file, offered_names, resolve_name, suggestion
 from smarig.runner import ProtocolFactory
 
+ONLY_SHAPES = (
+    "Settings of a reference apply to steps, ramps and multisine only. Leave them out for a file or values."
+)
 LEAST_TICKS = 10  # least length of a reference: fewer samples say nothing about a loop
 _DEFAULT_RANGE_SHARES = (0.2, 0.8)  # of the reach: range of a reference by default
 _REFERENCE_SETTINGS = ("low", "high", "seconds", "every_s", "speed", "seed")
@@ -32,20 +38,19 @@ _REFERENCE_SETTINGS = ("low", "high", "seconds", "every_s", "speed", "seed")
 def tracking(
     source: ModelSource,
     rig: RigFile,
-    wanted: str,
+    wanted: str | ArrayLike | Reference,
     settings: Mapping[str, Any] | None = None,
     controller: str = "inverse",
     numbers: Mapping[str, Any] | None = None,
     offset_K: float | None = None,
 ) -> ClosedLoop:
-    """The closed loop that tracks a reference: steps, ramps or multisine with ``settings``, or a CSV file.
+    """The closed loop that tracks a reference: steps, ramps or multisine with ``settings``, a CSV file, or values.
 
     ``controller`` is a name, also of a plug-in, or the path of an own file; both are executed. A velocity controller
     follows the reference's velocity alone and takes ``offset_K``, u_o of Thm 8.2. Raises UsageError for arguments that
     do not suit each other.
     """
     check_arguments(controller, numbers)
-    check_path("The reference", wanted)
     controller_model = controller_model_for(source.model, rig)
     if controller not in catalogue_names(VELOCITY_CONTROLLERS):  # a plug-in does not replace one of them
         controller = resolve_name(TRACKING_CONTROLLERS, controller)
@@ -102,8 +107,16 @@ def _controller_package(controller: str) -> str:
 
 
 def _reference(
-    wanted: str, settings: Mapping[str, Any], controller_model: ControllerModel, unit: str
+    wanted: str | ArrayLike | Reference,
+    settings: Mapping[str, Any],
+    controller_model: ControllerModel,
+    unit: str,
 ) -> Reference:
+    if not isinstance(wanted, str | Path):
+        if settings:
+            raise UsageError(ONLY_SHAPES)
+        return wanted if isinstance(wanted, Reference) else _of_rows(wanted)
+    check_path("The reference", wanted)
     if wanted not in REFERENCE_SHAPES:
         if not Path(wanted).suffix and not is_file(Path(wanted)):
             raise UsageError(
@@ -111,7 +124,7 @@ def _reference(
                 f"position_{unit}."
             )
         if settings:
-            raise UsageError("--set applies to steps, ramps and multisine only. Leave it out for a file.")
+            raise UsageError(ONLY_SHAPES)
         return reference_from_csv(Path(wanted), unit)
     for key in settings:
         if key not in _REFERENCE_SETTINGS:
@@ -126,6 +139,20 @@ def _reference(
         "high": low + _DEFAULT_RANGE_SHARES[1] * (high - low),
     } | {key: finite_number(f"The reference's {key}", value) for key, value in settings.items()}
     return reference(wanted, values.pop("low"), values.pop("high"), **values, **seed)
+
+
+def _of_rows(rows: ArrayLike) -> Reference:
+    """The reference of times and positions, (2, n)."""
+    try:
+        numbers = np.asarray(rows, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.ndim != 2 or numbers.shape[0] != 2:
+        raise UsageError(
+            "A reference is the name of a shape, a CSV file, or two rows of numbers: times in s from 0, and positions; "
+            f"got {rows!r:.40}."
+        )
+    return Reference("array", tuple(map(float, numbers[0])), tuple(map(float, numbers[1])))
 
 
 def _whole_seed(seed: Any) -> int:

@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from smarig.certify import RigAssessment, Units, certificate
+from smarig.certificate import RigAssessment, Units, certificate
 from smarig.control import (
     FILTER_TICKS,
     VELOCITY_CONTROLLERS,

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.certify import HysteresisAnalysis, MeasuredPassivity, Units, reading_noise, segment_passivity
+from smarig.certificate import HysteresisAnalysis, MeasuredPassivity, Units, reading_noise, segment_passivity
 from smarig.core import Array, DataError
 from smarig.measurement import SATURATION_TOLERANCE, Start
 from smarig.preisach import Preisach, State

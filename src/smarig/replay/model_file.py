@@ -203,12 +203,17 @@ class Model(NotebookDisplay):
         """Write the file as a whole. Raises UsageError if it exists and ``force`` is not given."""
         target = Path(path)
         with atomic_file(target, force=force) as part:
-            data = _to_file(self).model_dump(mode="json")
-            for key in ("extension", "measurement", "self_sensing"):
-                if not data[key]:
-                    del data[key]
-            part.write_text(_pretty(data), encoding="utf-8")
+            part.write_text(self.file_text, encoding="utf-8")
         return target
+
+    @property
+    def file_text(self) -> str:
+        """The content of its file."""
+        data = _to_file(self).model_dump(mode="json")
+        for key in ("extension", "measurement", "self_sensing"):
+            if not data[key]:
+                del data[key]
+        return _pretty(data)
 
     def __repr__(self) -> str:
         h = self.hysteresis

@@ -10,7 +10,7 @@ from smarig.cli.parameter_types import FILE, VELOCITY
 from smarig.core import PAGE, UsageError
 
 if TYPE_CHECKING:
-    from smarig.certify import RobustCertificate
+    from smarig.certificate import RobustCertificate
     from smarig.replay import Model
 
 EPILOG = """\b
@@ -75,7 +75,7 @@ def command(
     identification. The certificate covers the hysteresis alone; it does not cover the closed loops of the commands
     track and regulate."""
     from smarig.app import ModelSource, timing_of
-    from smarig.certify import PositionController, certificate
+    from smarig.certificate import PositionController, certificate
     from smarig.core import check_writable
     from smarig.identification import passivity_of_run
     from smarig.protocols import parse_pairs
@@ -107,7 +107,7 @@ def command(
 
 def _robust(model: "Model", samples: int, seed: int) -> "RobustCertificate | None":
     """The probabilities over models drawn from the uncertainty in the file; None for no samples."""
-    from smarig.certify import model_posterior, robust_certificate
+    from smarig.certificate import model_posterior, robust_certificate
     from smarig.report import certificate_units
 
     if not samples:

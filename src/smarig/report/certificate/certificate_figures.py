@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from smarig.certify import ModelCertificate
+from smarig.certificate import ModelCertificate
 from smarig.control import Psi
 from smarig.core import Array, spaced
 from smarig.identification import DensityReport, density_report

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.certify import (
+from smarig.certificate import (
     CONTROL_FINDINGS,
     MeasuredPassivity,
     ModelCertificate,

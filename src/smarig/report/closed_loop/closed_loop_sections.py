@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from smarig.certify import certificate
+from smarig.certificate import certificate
 from smarig.control import SETTLING_BAND_COUNTS, VELOCITY_CONTROLLERS, default_numbers
 from smarig.record import Run
 from smarig.replay import Model

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.certify import Hypothesis, failing
+from smarig.certificate import Hypothesis, failing
 from smarig.control import Reference, VelocityFilter, running_ratio
 from smarig.core import Array
 from smarig.report.components.numbers import number

@@ -3,10 +3,10 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from smarig.certify.certificate_scope import k_e_units
-from smarig.certify.certificate_units import with_unit
-from smarig.certify.hypothesis import Hypothesis
-from smarig.certify.model_certificate import ControllerResult
+from smarig.certificate.certificate_scope import k_e_units
+from smarig.certificate.certificate_units import with_unit
+from smarig.certificate.hypothesis import Hypothesis
+from smarig.certificate.model_certificate import ControllerResult
 from smarig.protocols import Setup
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.certify.model_posterior import ModelPosterior
+from smarig.certificate.model_posterior import ModelPosterior
 from smarig.core import Array, UsageError, beta_quantile
 from smarig.preisach import Everett, FodSurface, Mirrored
 from smarig.theory import moments_on

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from smarig.certify.certificate_units import Units
+from smarig.certificate.certificate_units import Units
 from smarig.core import UsageError
 from smarig.preisach import Everett
 from smarig.theory import DissipativityCertificate as Dissipativity

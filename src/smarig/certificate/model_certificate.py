@@ -8,7 +8,7 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from smarig.certify.certificate_scope import (
+from smarig.certificate.certificate_scope import (
     CONTROL_FINDINGS,
     CertificateLimit,
     CertificateScope,
@@ -17,13 +17,13 @@ from smarig.certify.certificate_scope import (
     position_controllers,
     scheduling,
 )
-from smarig.certify.certificate_units import Units, with_unit
-from smarig.certify.hypothesis import Hypothesis, coverage, failing
-from smarig.certify.integral_convergence import IntegralConvergence
-from smarig.certify.passivity import PassivityCounterexample
-from smarig.certify.position_assumptions import IndistinguishableStates
-from smarig.certify.storage_bound import StorageBound
-from smarig.certify.velocity.stability import Stability
+from smarig.certificate.certificate_units import Units, with_unit
+from smarig.certificate.hypothesis import Hypothesis, coverage, failing
+from smarig.certificate.integral_convergence import IntegralConvergence
+from smarig.certificate.passivity import PassivityCounterexample
+from smarig.certificate.position_assumptions import IndistinguishableStates
+from smarig.certificate.storage_bound import StorageBound
+from smarig.certificate.velocity.stability import Stability
 from smarig.preisach import Initial
 from smarig.theory import DissipativityCertificate as Dissipativity
 from smarig.theory import MeasureClasses

@@ -6,8 +6,8 @@ lag, delay and counts.
 
 from dataclasses import dataclass
 
-from smarig.certify.certificate_units import UNKNOWN, Units
-from smarig.certify.storage_bound import BoundBasis
+from smarig.certificate.certificate_units import UNKNOWN, Units
+from smarig.certificate.storage_bound import BoundBasis
 
 CONTROL_FINDINGS = "docs/explanation/control_findings.md"
 

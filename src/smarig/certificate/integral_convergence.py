@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.certify.certificate_units import Units, with_unit
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.certificate.certificate_units import Units, with_unit
+from smarig.certificate.hysteresis_analysis import HysteresisAnalysis
 from smarig.control import IntegralGains, LoopTiming, integral_gain_unit, integral_gains
 from smarig.theory import largest_slope
 

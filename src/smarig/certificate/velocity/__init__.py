@@ -1,8 +1,8 @@
 """Velocity feedback (thesis §8.2): δ and γ of controllers, the loop on the operator, and the result of Thm 8.2."""
 
-from smarig.certify.velocity.passivity_indices import inequalities, violating_signal
-from smarig.certify.velocity.sampled_loop import VelocityLoop, velocity_loop
-from smarig.certify.velocity.stability import Stability, k_e, stability
+from smarig.certificate.velocity.passivity_indices import inequalities, violating_signal
+from smarig.certificate.velocity.sampled_loop import VelocityLoop, velocity_loop
+from smarig.certificate.velocity.stability import Stability, k_e, stability
 from smarig.control import VelocityController
 
 __all__ = [

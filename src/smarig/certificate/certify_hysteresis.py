@@ -3,16 +3,16 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from smarig.certify.certificate_scope import CONTROL_FINDINGS, CertificateScope
-from smarig.certify.certificate_units import Units
-from smarig.certify.hypothesis import all_hold
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
-from smarig.certify.integral_convergence import integral_convergence
-from smarig.certify.model_certificate import ControllerResult, ModelCertificate
-from smarig.certify.passivity import PassivityCounterexample, counterexample
-from smarig.certify.position_assumptions import indistinguishable_states
-from smarig.certify.storage_bound import storage_bound
-from smarig.certify.velocity.stability import basis, controller_stability
+from smarig.certificate.certificate_scope import CONTROL_FINDINGS, CertificateScope
+from smarig.certificate.certificate_units import Units
+from smarig.certificate.hypothesis import all_hold
+from smarig.certificate.hysteresis_analysis import HysteresisAnalysis
+from smarig.certificate.integral_convergence import integral_convergence
+from smarig.certificate.model_certificate import ControllerResult, ModelCertificate
+from smarig.certificate.passivity import PassivityCounterexample, counterexample
+from smarig.certificate.position_assumptions import indistinguishable_states
+from smarig.certificate.storage_bound import storage_bound
+from smarig.certificate.velocity.stability import basis, controller_stability
 from smarig.control import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, LoopTiming, controller_numbers
 from smarig.core import UsageError, catalogue_entry, catalogue_names
 from smarig.preisach import Everett, Initial, Preisach

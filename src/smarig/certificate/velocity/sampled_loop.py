@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from smarig.certify.velocity.stability import k_e, sharp_bound
+from smarig.certificate.velocity.stability import k_e, sharp_bound
 from smarig.control import LaggedOperator, VelocityController
 from smarig.core import Array, DataError
 from smarig.preisach import Everett, Initial

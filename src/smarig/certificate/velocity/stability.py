@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from smarig.certify.certificate_units import UNKNOWN, Units, with_unit
-from smarig.certify.hypothesis import Hypothesis, all_hold, failing
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
-from smarig.certify.storage_bound import StorageBound, storage_bound
+from smarig.certificate.certificate_units import UNKNOWN, Units, with_unit
+from smarig.certificate.hypothesis import Hypothesis, all_hold, failing
+from smarig.certificate.hysteresis_analysis import HysteresisAnalysis
+from smarig.certificate.storage_bound import StorageBound, storage_bound
 from smarig.control import VelocityController
 from smarig.core import Array, UsageError
 from smarig.preisach import Everett, Initial, Preisach

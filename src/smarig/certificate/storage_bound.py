@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from smarig.certify.certificate_units import with_unit
-from smarig.certify.hypothesis import Hypothesis
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.certificate.certificate_units import with_unit
+from smarig.certificate.hypothesis import Hypothesis
+from smarig.certificate.hysteresis_analysis import HysteresisAnalysis
 from smarig.preisach import State
 from smarig.theory import available_storage, recoverable_energy
 

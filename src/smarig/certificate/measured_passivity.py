@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from smarig.certify.certificate_units import with_unit
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
-from smarig.certify.passivity import passivity
+from smarig.certificate.certificate_units import with_unit
+from smarig.certificate.hysteresis_analysis import HysteresisAnalysis
+from smarig.certificate.passivity import passivity
 from smarig.core import Array, DataError
 from smarig.preisach import Preisach, State
 
