@@ -163,7 +163,7 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
     one, on = files["ONE"], {"rig": "one_wire_twin", "out": tmp_path / "x.run.sqlite"}
     slips = {
         "The model must be a name or a path, not None": partial(smarig.track, None, "steps", **on),
-        "The reference must be a name or a path, not 3": partial(smarig.track, one, 3, **on),
+        "two rows of numbers: times in s from 0, and positions; got 3": partial(smarig.track, one, 3, **on),
         "The controller must be a name, not None": partial(smarig.track, one, "steps", controller=None, **on),
         "The controller's parameters must be a mapping": partial(
             smarig.regulate, one, 6.0, numbers=[1], **on
