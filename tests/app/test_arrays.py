@@ -118,3 +118,25 @@ def test_a_reference_that_is_none_says_what_one_is(runs, tmp_path):
     with pytest.raises(UsageError, match="apply to steps, ramps and multisine only"):
         smarig.track(model, [[0.0, 2.0], [3.0, 5.0]], **on, seconds=5)
     assert not on["out"].exists()
+
+
+@pytest.mark.parametrize("shape", ["steps", "ramps"])
+def test_a_tracked_run_has_its_reference_as_a_column(runs, tmp_path, shape):
+    model, on = smarig.identify(runs[0]), {"rig": "one_wire_twin", "out": tmp_path / "t.run.sqlite"}
+    run = smarig.track(model, shape, **on, seconds=60, every_s=15, low=3.0, high=6.0)
+    closed = np.isfinite(run["reference"])
+    known = run["reference"][closed]
+    assert 59 < np.ptp(run["t_s"][closed]) < 61
+    assert np.count_nonzero(np.abs(np.diff(known)) > 1e-9) == (3 if shape == "steps" else known.size - 1)
+    assert 3.0 <= known.min() < known.max() <= 6.0
+    assert 0.0 < np.sqrt(np.mean((run["position"][closed] - known) ** 2)) < 1.0
+    with pytest.raises(UsageError, match="has no column 'reference'"):
+        runs[0]["reference"]
+
+
+def test_what_is_printed_is_short_and_what_is_tried_first_works(runs):
+    found = smarig.identify(runs[0])
+    assert len(repr(runs[0].info)) < 2500
+    assert found.predict(TEST).tolist() == found.model.predict(TEST).tolist()
+    with pytest.raises(UsageError, match=r"Call operator\(\) of a model"):
+        smarig.Preisach(found.model)

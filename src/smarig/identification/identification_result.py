@@ -6,8 +6,9 @@ from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from smarig.core import NotebookDisplay, spaced
+from smarig.core import Array, NotebookDisplay, spaced
 from smarig.identification.density_report import DensityReport
 from smarig.identification.error_verdict import ErrorLevel, ErrorVerdict, error_verdict
 from smarig.identification.extended.choose_extension import ExtensionChoice
@@ -22,6 +23,7 @@ from smarig.identification.surface.curve_report import CurveReport
 from smarig.identification.surface.fit_figures import plain
 from smarig.identification.surface.surface_fit import SurfaceFit
 from smarig.identification.sweeps.heating_of_sweeps import HeatingOfSweeps
+from smarig.preisach import Initial
 from smarig.record import Run
 from smarig.replay import Model, model_metadata, pooled_conditions, provenance
 
@@ -54,6 +56,10 @@ class Identification(NotebookDisplay):
     load: LoadDependence | None = None
     crossing_note: str = ""
     heating: HeatingOfSweeps | None = None
+
+    def predict(self, u: ArrayLike, initial: Initial = "negative") -> Array:
+        """Outputs of the model, as ``Model.predict``."""
+        return self.model.predict(u, initial)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -63,9 +63,10 @@ class Preisach:
         samples: int = 0,
     ) -> None:
         if not hasattr(hysteresis, "everett"):
+            of_model = " Call operator() of a model." if hasattr(hysteresis, "operator") else ""
             raise UsageError(
                 "A Preisach operator needs a hysteresis (a surface, a table or a measure of relays), "
-                f"got {hysteresis!r:.40}."
+                f"got {hysteresis!r:.40}.{of_model}"
             )
         self.hysteresis = hysteresis
         self._keyed = keyed(hysteresis)

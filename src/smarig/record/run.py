@@ -34,6 +34,7 @@ from smarig.record.opened_run import opened_for_reading
 from smarig.record.sample_columns import LARGEST, count_unmeasurable, read_columns
 from smarig.record.schema import READ, SAMPLE_COLUMNS, VERSION
 from smarig.record.table_hashes import block_hash, damaged_tables, hashes_of, is_hashed
+from smarig.record.tracked_reference import REFERENCE, reference_column
 
 CONTINUED = "continued"  # ``initial`` of a run that starts in the final state of the one before
 OWN_ZERO = "own"  # ``encoder_zero`` of an imported run whose zero is unrelated to that of other runs
@@ -98,7 +99,8 @@ class Run(AnyRun, NotebookDisplay):
     """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.info`` is its description.
 
     Columns: tick, t_s, step, current_command_A, current_A, voltage_V, temperature_degC, input, counts,
-    position, ambient_degC, quality. ``info`` names the quantities and units of ``input`` and ``position``.
+    position, ambient_degC, quality; of a tracked run, also reference. ``info`` names the quantities and units of
+    ``input`` and ``position``.
     ``meta`` is the description as stored, for code that copies or lists all of it.
     """
 
@@ -110,8 +112,15 @@ class Run(AnyRun, NotebookDisplay):
     events: tuple[Event, ...] = field(repr=False)  # pyrefly: ignore [bad-override]
 
     def __getitem__(self, name: str) -> Array:
+        if name == REFERENCE and (mark := self._tracking) is not None:
+            return reference_column(self.columns["t_s"], mark)
         check_column(name, self.columns)
         return self.columns[name]
+
+    @property
+    def _tracking(self) -> dict[str, Any] | None:
+        """What the mark of a closed loop says of its reference; None if nothing was tracked."""
+        return next((e.data for e in self.events if e.kind == "mark" and REFERENCE in e.data), None)
 
     def __len__(self) -> int:
         return self["tick"].size

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from reprlib import repr as short
 from typing import Any, Self, final
 
 from smarig.core import named_where_text
@@ -33,6 +34,10 @@ class StoredTable(ABC):
     def has(self, key: str) -> bool:
         """Whether the table has a key, even with the value null."""
         return key in self.keys
+
+    def __repr__(self) -> str:
+        """Its values, each cut to a few words: texts of files are among them."""
+        return f"{type(self).__name__}({', '.join(f'{k}={short(v)}' for k, v in self.to_json().items())})"
 
     def text_of(self, key: str, absent: str) -> str:
         """The value of a key as text, "None" for null; ``absent`` if the table does not have the key."""
@@ -110,7 +115,7 @@ class ImportInfo(StoredTable):
 
 
 @final
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class RunInfo(StoredTable):
     """The description of a run; None or empty if not recorded.
 
