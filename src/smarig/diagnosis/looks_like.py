@@ -7,7 +7,7 @@ PLANT_EFFECTS = {
     "rate": ("latent_heat", "sensor_lag", "wire_lag"),
     "time": ("ambient_drift", "creep", "settling", "slip"),
     "cycle": ("accommodation", "fatigue", "training", "walking"),
-    "history": ("accommodation", "noncongruency", "temperature_memory"),
+    "history": ("accommodation", "creep", "noncongruency", "settling", "temperature_memory"),
     "time_since_reversal": ("backlash", "creep", "settling", "temperature_memory"),
     "level": (
         "eccentricity",

@@ -18,6 +18,8 @@ from scipy.linalg import cholesky, eigh, solve_triangular
 from smarig.core import Array
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant, by_kind
 from smarig.diagnosis.comparison.commanded.kernel_shapes import (
+    FADING,
+    FADING_STEPS,
     PLAIN,
     RANK_LENGTH,
     SIZES,
@@ -25,6 +27,7 @@ from smarig.diagnosis.comparison.commanded.kernel_shapes import (
     WALK,
     falling,
     ranks,
+    recent_motion,
     walk_kernel,
 )
 from smarig.diagnosis.drive_statistics import DriveStatistics
@@ -166,6 +169,11 @@ def _of_others(subject: CommandedProblem, fitted: FittedPlant, own: _Geometry) -
     level = ranks(prediction.output)
     yield from both("branch", lambda: np.equal.outer(block, block) * falling(level, RANK_LENGTH))
     yield from both(WALK, partial(walk_kernel, own.session, own.t_s, prediction.output))
+    step_s = float(np.median(np.diff(timeline.settled.t_s)))
+    for steps in FADING_STEPS:
+        recent = recent_motion(prediction, fitted.plant_model, steps * step_s)
+        yield from both(FADING, partial(falling, ranks(recent), RANK_LENGTH))
+        yield Kernel(FADING, "output", lambda z=recent: own.output(np.outer(z, z)))
 
 
 def _variables(subject: CommandedProblem, fitted: FittedPlant, coupled: Sequence) -> Mapping[str, Array]:
