@@ -50,6 +50,9 @@ def _of_causes(d: CommandedDiagnosis | MeasuredDiagnosis) -> str:
         return ""
     if d.verdict.word == "ambiguous":
         return f"To separate these causes: {tests}."
+    if isinstance(d, MeasuredDiagnosis) and d.measured_once:
+        again = " and ".join(d.measured_once)
+        return f"Repeat the first {again}: another change from run to run would look the same."
     return f"{_USE}: it contains the cause." if d.extended else f"To confirm the cause: {tests}."
 
 

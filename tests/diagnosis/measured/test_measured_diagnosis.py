@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -148,6 +149,23 @@ def test_a_shift_by_stress_predicts_a_load_between_and_beyond(loads, train, held
     own = verify(identify([loads[nearest]], "positive").model, loads[held_out]).runs[0].settled.rms
     assert found.gain is not None
     assert found.gain.extended < 0.5 * own
+    assert "Each stress was measured in one run only" in found.text()
+
+
+@pytest.mark.parametrize(
+    ("name", "stresses", "expected"),
+    [
+        ("stress_shift", [50.0, 150.0, 100.0], ("stress",)),
+        ("stress_shift", [50.0, 100.0, 50.0], ()),
+        ("stress_shift", [50.0], ()),
+        ("input_lag", [50.0, 100.0], ()),
+    ],
+)
+def test_a_load_that_was_measured_once_may_go_with_the_day(name, stresses, expected):
+    """The zero of a thermometer that rises from day to day shifts the loop as a load does that rises with it."""
+    records = [SimpleNamespace(conditions={"stress": s}) for s in stresses]
+    found = SimpleNamespace(verdict=SimpleNamespace(names=(name,)), records=records)
+    assert MeasuredDiagnosis.measured_once.fget(found) == expected
 
 
 @pytest.mark.long("takes three seconds")

@@ -105,6 +105,17 @@ class MeasuredDiagnosis(NotebookDisplay):
         return (*self.plain.train, *self.plain.held_out)
 
     @property
+    def measured_once(self) -> tuple[str, ...]:
+        """The conditions through which a named effect acts, if no value of them was measured in two runs.
+
+        What else changes from run to run, such as the zero of a thermometer, may then go with them by chance.
+        """
+        kinds = {k.name: k.by_condition for k in measurement_effect_types()}
+        acting = dict.fromkeys(c for n in self.verdict.names if (c := kinds.get(n)))
+        values = {c: [r.conditions[c] for r in self.records if c in r.conditions] for c in acting}
+        return tuple(c for c, several in values.items() if len(set(several)) == len(several) > 1)
+
+    @property
     def train(self) -> int:
         """Number of training records."""
         return len(self.plain.records)

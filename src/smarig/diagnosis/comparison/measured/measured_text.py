@@ -34,6 +34,11 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first, then conditions that could cause it."""
     yield from verdict_lines(d.verdict, d.findings, d.causes, _silence(d))
     yield from d.conditions
+    for name in d.measured_once:
+        yield (
+            f"Each {name} was measured in one run only: another change from run to run that goes with it would look "
+            f"the same. Repeat the first {name} to exclude this."
+        )
     yield from _learned(d)
     yield adequacy_text(d)
     yield from _properties(d)
