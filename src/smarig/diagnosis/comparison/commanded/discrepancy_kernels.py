@@ -172,7 +172,7 @@ def _of_others(subject: CommandedProblem, fitted: FittedPlant, own: _Geometry) -
     step_s = float(np.median(np.diff(timeline.settled.t_s)))
     for steps in FADING_STEPS:
         recent = recent_motion(prediction, fitted.plant_model, steps * step_s)
-        yield from both(FADING, partial(falling, ranks(recent), RANK_LENGTH))
+        yield Kernel(FADING, "output", lambda z=recent: own.output(falling(ranks(z), RANK_LENGTH)))
         yield Kernel(FADING, "output", lambda z=recent: own.output(np.outer(z, z)))
 
 
