@@ -82,8 +82,6 @@ BIASED = {
 WRONG_VARIABLE = {
     "lost_counts": "named walking",
     "dust": "named fatigue",
-    "sagging_supply": "named accommodation",
-    "warm_frame": "named settling, a mass that warms slowly",
     "warming_amplifier": "named fatigue",
 }
 SHORT = ("slip", "walking")  # those that are not left to .ci/long
