@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
+from smarig.diagnosis.comparison.measured.measured_comparison import RunOffset
 from smarig.diagnosis.comparison.verdict_rules import Verdict
 from smarig.exchange import FoundColumn, FoundTable, find_tables, load_mapping
 from smarig.study import candidate_models, guess_table, mapping_draft, study_sentences
@@ -242,6 +243,30 @@ def test_a_learned_term_is_told_beside_what_no_effect_explains(variable):
     assert sentence(None).endswith("no known effect explains them.")
     assert sentence(object()).endswith(
         "explains them; a term learned from them describes a part, without a cause."
+    )
+
+
+def test_errors_that_a_good_model_leaves_are_small():
+    verdict = SimpleNamespace(word="unknown", depends_on="time", names=())
+    d = SimpleNamespace(verdict=verdict, learned=None, lines=lambda: ["-"])
+    said = finding_sentence(d, at_noise=False, small=True)
+    assert said.startswith("The errors that are left are small and vary with the time;")
+
+
+def test_of_several_shifted_runs_the_held_out_one_is_told(monkeypatch):
+    monkeypatch.setattr(study_sentences, "MeasuredDiagnosis", SimpleNamespace)
+    offsets = [
+        RunOffset(run, offset, (offset, offset), 0.2, 0.1, "first", held_out)
+        for run, offset, held_out in (("weak", 1.0, True), ("strong", -2.0, True), ("fitted", 9.0, False))
+    ]
+    d = SimpleNamespace(
+        verdict=SimpleNamespace(word="named", depends_on=None, names=("input_offset",)),
+        offsets=offsets,
+        runs=[SimpleNamespace(input_unit="degC")],
+        unit="mm",
+    )
+    assert finding_sentence(d, at_noise=False).startswith(
+        "The loop of held-out run strong is shifted by 2 [2, 2] °C"
     )
 
 

@@ -177,8 +177,9 @@ def finding_sentence(
 
 
 def _shift(d: MeasuredDiagnosis) -> list[str]:
-    """The sentence on the first held-out run whose input is shifted."""
-    return [_as_shown(offset_sentence(offset, d.runs[0].input_unit, d.unit)) for offset in d.offsets[:1]]
+    """The sentence on the held-out run whose input is shifted most."""
+    held_out = sorted((o for o in d.offsets if o.held_out), key=lambda o: -abs(o.offset))
+    return [_as_shown(offset_sentence(offset, d.runs[0].input_unit, d.unit)) for offset in held_out[:1]]
 
 
 def _as_shown(line: str) -> str:

@@ -43,8 +43,8 @@ OF_RATES = ("input_lag", "rate")  # runs at other rates differ by these, too
 
 @dataclass(frozen=True)
 class RunOffset:
-    """An offset of a held-out run's input against the training runs, with its 95 % interval, and the rms errors on
-    blocks left out without and with it.
+    """An offset of a run's input against that of another, with its 95 % interval, and the rms errors on blocks left
+    out without and with it. ``held_out``: whether the run is a held-out one; all but the first have an offset.
     """
 
     run: str
@@ -53,6 +53,8 @@ class RunOffset:
     without: float
     with_offset: float
 
+    against: str
+    held_out: bool
 
 @dataclass(frozen=True, eq=False)
 class MeasuredComparison:
@@ -64,7 +66,7 @@ class MeasuredComparison:
     hypothesis. ``missing``: what the training runs do not determine and the held-out runs need, if it is their error.
     ``adequate``: whether the plain model misses the training readings by hardly more than their noise. ``testable``:
     names of the effects that these records can show. ``effects``: those of the verdict's names, all of a name, the
-    likeliest of a set. ``offsets`` of held-out runs, where the verdict lies between runs.
+    likeliest of a set. ``offsets``, where the verdict lies between runs, of held-out runs first.
     """
 
     verdict: Verdict
@@ -127,7 +129,7 @@ def compare_measured(
         verdict=verdict,
         weights=deciding.without_states(),
         effects=_effects(verdict, deciding),
-        offsets=() if deciding is weights else _offsets(deciding),
+        offsets=() if deciding is weights else _offsets(deciding, wires),
         between_runs=deciding is not weights,
         parameters=_parameters(deciding),
         base_error=base.rms * scale,
@@ -298,16 +300,17 @@ def _effects(verdict: Verdict, weights: Weights) -> tuple[MeasurementEffect, ...
     return tuple(e for e in heaviest if e.kind.name in names)
 
 
-def _offsets(weights: Weights) -> tuple[RunOffset, ...]:
+def _offsets(weights: Weights, wires: Sequence[WireRecord]) -> tuple[RunOffset, ...]:
     single = next((h for h in weights.hypotheses if h.name == OFFSET), None)
     if single is None or weights.causes[single.parts[0]] < RULES["name"].value:
         return ()
     plain, found = fitted(weights.hypotheses[0]), fitted(single)
     scale, names = abs(found.problem.scale), [r.name for r in found.problem.records]
-    offsets = []
+    held_out, offsets = {w.record.name for w in wires if w.held_out.all()}, []
     for name, value in single.best.parameters.items():
         at = found.problem.record == names.index(name)
         without, with_offset = (root_mean_square(f.error[at]) * scale for f in (plain, found))
         low, high = interval(single, name, weights)
-        offsets.append(RunOffset(name, value, (min(low, value), max(high, value)), without, with_offset))
-    return tuple(offsets)
+        ends = min(low, value), max(high, value)
+        offsets.append(RunOffset(name, value, ends, without, with_offset, names[0], name in held_out))
+    return tuple(sorted(offsets, key=lambda o: not o.held_out))

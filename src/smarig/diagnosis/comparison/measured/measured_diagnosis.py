@@ -86,7 +86,7 @@ class MeasuredDiagnosis(NotebookDisplay):
 
     @property
     def offsets(self) -> tuple[RunOffset, ...]:
-        """Held-out runs whose input disagrees with that of the training runs."""
+        """Runs whose input disagrees with that of the first training run, held-out ones first."""
         return self.evidence.offsets
 
     @property

@@ -41,6 +41,8 @@ def measured_json(d: "MeasuredDiagnosis") -> dict[str, Any]:
                 "ci95": list(o.interval),
                 "error_without": o.without,
                 "error_with": o.with_offset,
+                "against": o.against,
+                "held_out": o.held_out,
             }
             for o in d.offsets
         ],

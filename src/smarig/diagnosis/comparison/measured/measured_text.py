@@ -56,16 +56,17 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
 
 
 def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
-    """By how much the loop of a held-out run lies higher or lower along the input, and what that explains.
+    """By how much the loop of a run lies higher or lower along the input, and what that explains.
 
     An offset is added to the reading, so a negative one says that the loop lies higher.
     """
     ends = sorted(-e for e in offset.interval)
     shift = f"{-offset.offset:.3g} [{ends[0]:.3g}, {ends[1]:.3g}] {input_unit}"
     return (
-        f"The loop of held-out run {offset.run} is shifted by {shift} along the input against the training runs: the "
-        "reading of the input, the load or the specimen differs. With this shift, blocks of that run that are left "
-        f"out are predicted to {offset.with_offset:.4g}{spaced(unit)} instead of {offset.without:.4g}{spaced(unit)}."
+    which = "held-out run" if offset.held_out else "training run"
+        f"The loop of {which} {offset.run} is shifted by {shift} along the input against {offset.against}: the reading "
+        "of the input, the load or the specimen differs. With this shift, blocks of that run that are left out are "
+        f"predicted to {offset.with_offset:.4g}{spaced(unit)} instead of {offset.without:.4g}{spaced(unit)}."
     )
 
 
