@@ -39,6 +39,7 @@ TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of
 OF_EACH_RUN = (OFFSET, "run")  # of a held-out run they say nothing
 BETWEEN_RUNS = (OFFSET, "stress_shift", "run", "stress")
 OF_RATES = ("input_lag", "rate")  # runs at other rates differ by these, too
+DRIFTS = ("input_drift", "output_drift")  # what goes on within the runs goes on between them
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,9 @@ class RunOffset:
     interval: tuple[float, float]
     without: float
     with_offset: float
-
     against: str
     held_out: bool
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredComparison:
@@ -266,18 +267,27 @@ def _with_held_out_runs(
         return verdict, own
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     basis, plain = first_basis(problem, BASE_STEPS)
+    only = (*BETWEEN_RUNS, *OF_RATES, *DRIFTS)
     weights = _weighed(
-        problem,
-        searched_hypotheses(basis, plain.trial(), lambda _: None, (*BETWEEN_RUNS, *OF_RATES), without),
-        seed,
+        problem, searched_hypotheses(basis, plain.trial(), lambda _: None, only, without), seed
     )
-    found = decide(_evidence(problem, plain.kept(), weights, {}))
+    found = decide(drifting(_evidence(problem, plain.kept(), weights, {})))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
     of_held_out = np.isin(problem.record, np.flatnonzero(runs))
     left = root_mean_square(fitted(weights.heaviest).error[of_held_out])
     own_error = held.get(own.heaviest.name, held["nothing"])
     keeps = verdict.depends_on not in (None, *BETWEEN_RUNS) and _leaves_more(left / own_error)
     return (found, weights) if clearer and not keeps else (verdict, own)
+
+
+def drifting(e: VerdictEvidence) -> VerdictEvidence:
+    """Evidence between runs in which an offset is confounded with drifts, where one is likely within the runs."""
+    offset, drifts = Part("effect", OFFSET), [p for p in e.causes if p.name in DRIFTS]
+    if min(e.any_of([offset]), e.any_of(drifts)) < RULES["nothing"].value:
+        return e
+    rivals = [offset, *drifts]
+    others = {p: (*e.confounded.get(p, ()), *(q for q in rivals if q != p)) for p in rivals}
+    return replace(e, confounded={**e.confounded, **others})
 
 
 def _held_out_is_off(base: KeptAddition) -> bool:
