@@ -195,6 +195,7 @@ def test_a_held_out_run_whose_thermometer_is_off_is_reported():
     assert offset.with_offset < 0.5 * offset.without
     assert found.verdict.names == ("input_offset",)
     assert not found.extended, "no run is left to measure a gain on"
+    assert not found.to_json()["adequacy"]["adequate"], "a plain model is not as good as the noise allows"
     assert f"is shifted by {-offset.offset:.3g} [" in found.text()
     assert "the reading of the input, the load or the specimen differs" in found.text()
 

@@ -29,7 +29,7 @@ def measured_json(d: "MeasuredDiagnosis") -> dict[str, Any]:
         "adequacy": {
             "times_noise": d.base.rms / d.noise if d.noise else None,
             "where": _where(d.base),
-            "adequate": d.evidence.adequate,
+            "adequate": d.evidence.adequate and not d.verdict.stands_out,
         },
         "learned": learned and learned.to_json(),
         "preisach_properties": {t.name: t.to_json() for t in d.properties},
