@@ -353,7 +353,7 @@ class StudyResult:
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
             return "fair, as blocks left out of the fit are predicted less well"
         if self.undetermined is not None and self.undetermined.explains and level is not ErrorLevel.GOOD:
-            return f"{level}, for want of fitted data"
+            return f"{level}, in states that no fitted data determine"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
         if level is ErrorLevel.FAIR and self.goes_one_way:

@@ -42,8 +42,10 @@ class UndeterminedStates:
         """What is not known, and the experiment that would close it."""
         unit = spaced(display_unit(input_unit))
         low, high = (number(u) for u in self.inputs)
-        no_change = ", no change" if self.explains else ""
-        known = f"{100 * self.share:.0f} % of the additional error on held-out data is missing knowledge{no_change}"
+        share = (
+            f"Up to {100 * self.share:.0f} % of the additional error on held-out data is missing knowledge"
+        )
+        known = f"{share}, and nothing need have changed" if self.explains else share
         if not self.turns:
             return f"{known}: from {low} to {high}{unit} the held-out data enter states that the fitted data did not."
         turns = ", ".join(number(u) for u in self.turns[:_MOST_SHOWN])

@@ -1,10 +1,11 @@
-"""Missing knowledge: an error of held-out runs that lies where the training runs determine nothing. It is no change.
+"""Missing knowledge: an error of held-out runs that lies where the training runs determine nothing.
 
     share = 1 − (ΔS_h + ΔS_t) / (S_h − S_t),    ΔS = S(all) − S_t,    S: mean squares, of held-out and training readings
 
 S_t, what the training readings leave to their own model, is nobody's knowledge: noise, most of all. One model of all
-readings tells missing knowledge from a change: what changed, it cannot fit as well. Means, so that a long record does
-not outvote a short one.
+readings tells missing knowledge from a change: what changed, it cannot fit as well. The share is an upper bound, for
+such a model also follows noise that lasts over many readings. Means, so that a long record does not outvote a short
+one.
 """
 
 from dataclasses import dataclass
@@ -31,8 +32,9 @@ class MissingKnowledge:
         """What is not known, and the run that would close it; ``unit`` is that of the input."""
         low, high = self.inputs
         return (
-            f"{100 * self.share:.0f} % of the held-out error is missing knowledge, no change: between {low:.4g} and "
-            f"{high:.4g}{spaced(unit)} the held-out runs enter states that no training run determines. {EXPERIMENT}"
+            f"Up to {100 * self.share:.0f} % of the held-out error is missing knowledge, and nothing need have "
+            f"changed: between {low:.4g} and {high:.4g}{spaced(unit)} the held-out runs enter states that no training "
+            f"run determines. {EXPERIMENT}"
         )
 
     def to_json(self, unit: str) -> dict[str, Any]:
