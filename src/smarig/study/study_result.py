@@ -402,7 +402,8 @@ class StudyResult:
             return missing
         split = self.split
         differing = differing_conditions([*split.train, *split.held_out]) if split else ()
-        finding = finding_sentence(self.diagnosis, at_noise=self.at_noise, differing=differing)
+        small = self.verdict == GOOD
+        finding = finding_sentence(self.diagnosis, at_noise=self.at_noise, small=small, differing=differing)
         if which := self._diagnosed_model():
             finding = f"{which}{finding[:1].lower()}{finding[1:]}"
         found = f"{finding}{self._gain_by_cause()}"

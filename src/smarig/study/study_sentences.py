@@ -164,16 +164,21 @@ def unpredicted_sentence(share: float, *, whole_record: bool) -> str:
 
 
 def finding_sentence(
-    d: CommandedDiagnosis | MeasuredDiagnosis, *, at_noise: bool, differing: Sequence[str] = ()
+    d: CommandedDiagnosis | MeasuredDiagnosis,
+    *,
+    at_noise: bool,
+    small: bool = False,
+    differing: Sequence[str] = (),
 ) -> str:
     """What the diagnosis says of the errors that are left; they look like noise only if they are as small.
 
-    ``differing``: conditions in which the runs differ.
+    ``small``: the model is good, whatever is left. ``differing``: conditions in which the runs differ.
     """
     shifted = _shift(d) if isinstance(d, MeasuredDiagnosis) else []
     if shifted and (d.verdict.depends_on == "run" or d.verdict.names == ("input_offset",)):
         return " ".join(shifted)  # that is what the run varies in
-    return " ".join([_finding(d, d.lines()[0], at_noise=at_noise, differing=differing), *shifted])
+    finding = _finding(d, d.lines()[0], at_noise=at_noise, small=small, differing=differing)
+    return " ".join([finding, *shifted])
 
 
 def _shift(d: MeasuredDiagnosis) -> list[str]:
@@ -188,7 +193,12 @@ def _as_shown(line: str) -> str:
 
 
 def _finding(
-    d: CommandedDiagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool, differing: Sequence[str]
+    d: CommandedDiagnosis | MeasuredDiagnosis,
+    first_line: str,
+    *,
+    at_noise: bool,
+    small: bool,
+    differing: Sequence[str],
 ) -> str:
     word, variable = d.verdict.word, d.verdict.depends_on
     if word == "silent":
@@ -197,7 +207,8 @@ def _finding(
         return "The diagnosis finds no cause for the errors that are left."
     if word == "unknown":
         named = " and ".join(map(variable_words, variable.split(" and "))) if variable else ""
-        what = f"vary with {named}" if named else "are more than noise"
+        size = "are small and " if small else ""
+        what = f"{size}vary with {named}" if named else "are more than noise"
         if d.verdict.names:  # an effect explains them, but the verdict has a doubt
             return f"The errors that are left {what}. {doubtful_causes(d.verdict, d.causes)}"
         if variable == "run" and differing:
