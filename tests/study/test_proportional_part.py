@@ -12,6 +12,7 @@ from smarig.study import study
 from smarig.study.candidate_models import PROPORTIONAL_PART
 from smarig.study.study_files import STUDY_MODEL
 from smarig.study.study_options import StudyOptions
+from smarig.study.study_sentences import proportional_sentence
 from study.test_undetermined_states import path
 
 pytestmark = pytest.mark.usefixtures("few_readings")
@@ -39,12 +40,26 @@ def studied(folder, u, y, output, noise):
 
 
 CASES = [
-    pytest.param(-3.0, 0.006, "displacement_mm", "as thermal expansion is", id="a wire that lengthens"),
-    pytest.param(3.0, -0.009, "displacement_mm", "as thermal expansion is", id="an actuator that moves up"),
+    pytest.param(-3.0, 0.006, "displacement_mm", "as thermal expansion would be", id="a wire that lengthens"),
     pytest.param(
-        -0.6, 0.002, "resistance_ohm", "as the temperature coefficient of resistance is", id="a resistance"
+        3.0, -0.009, "displacement_mm", "as thermal expansion would be", id="an actuator that moves up"
+    ),
+    pytest.param(
+        -0.6,
+        0.002,
+        "resistance_ohm",
+        "as the temperature coefficient of resistance would be",
+        id="a resistance",
     ),
 ]
+
+
+@pytest.mark.parametrize(
+    ("slope", "unit", "compared"),
+    [(0.0081, "%", False), (9e-4, "%", True), (9e-6, "mm/mm", True), (0.0081, "mm", True)],
+)
+def test_a_strain_is_compared_with_thermal_expansion_if_its_size_is(slope, unit, compared):
+    assert ("thermal expansion" in proportional_sentence(slope, unit, "degC")) is compared
 
 
 @pytest.mark.long("take ten seconds each", cases=("an actuator that moves up", "a resistance"))
@@ -56,7 +71,7 @@ def test_the_model_gets_it_and_predicts_better(tmp_path, stroke, slope, output, 
     assert best.name == PROPORTIONAL_PART
     assert best.rms < 0.5 * plain.rms
     said = result.sentences()[0]
-    assert "A part of the output is proportional to the input, about" in said
+    assert "A part of it is proportional to the input, about" in said
     assert words in said
     assert not any("goes back" in reason for reason in result.reasons)  # the model does so, too
     (fitted,) = load_model(tmp_path / "out" / STUDY_MODEL).measurement["amplitudes"]

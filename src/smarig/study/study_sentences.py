@@ -12,7 +12,7 @@ from smarig.diagnosis import (
     offset_sentence,
     variable_words,
 )
-from smarig.exchange import dimension
+from smarig.exchange import convert, dimension
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.plant import parameter_words
 from smarig.report import display_unit, number
@@ -76,14 +76,16 @@ PROPORTIONAL_TO_TEMPERATURE = {  # what does this, by the dimension of the outpu
     "length": "thermal expansion",
     "ratio": "thermal expansion",
 }
+_MOST_EXPANSION = 3e-5  # per K: that of aluminium is 2.3e-5, of NiTi 0.7e-5 to 1.1e-5
 
 
 def proportional_sentence(slope: float, unit: str, input_unit: str) -> str:
     """The part of the output that is proportional to the input, and what does this where a temperature drives it."""
     hot = input_unit in ("K", "degC")
-    cause = PROPORTIONAL_TO_TEMPERATURE.get(dimension(unit), "") if hot else ""
+    too_large = dimension(unit) == "ratio" and abs(convert(slope, unit, "1")) > _MOST_EXPANSION
+    cause = PROPORTIONAL_TO_TEMPERATURE.get(dimension(unit), "") if hot and not too_large else ""
     size = f"about {number(slope, 2)} {display_unit(unit)}/{'K' if hot else display_unit(input_unit)}"
-    return f"A part of the output is proportional to the input, {size}{f', as {cause} is' if cause else ''}."
+    return f"A part of it is proportional to the input, {size}{f', as {cause} would be' if cause else ''}."
 
 
 def simple_curve_sentence(
