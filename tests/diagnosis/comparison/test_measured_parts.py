@@ -9,6 +9,7 @@ from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
 from smarig.diagnosis.comparison import gaussian_fit
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.gaussian_fit import LEVEL, fit_gaussian
+from smarig.diagnosis.comparison.measured import plain_variables
 from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
 from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
 from smarig.diagnosis.comparison.measured.positive_prior import positive_prior
@@ -210,3 +211,19 @@ def test_at_one_rate_a_lag_is_a_part_of_every_loop():
     for u, expected in ((even, True), (uneven, False)):
         runs = [as_run("a", u, RelayWire(1).strain(u), dt=1.0)]
         assert at_one_rate(reading_problem(wire_records(runs, ()))) is expected
+
+
+HELD = np.repeat(
+    np.arange(119), np.where(np.arange(119) % 40 == 30, 25, 1)
+)  # rows of a path, some of them held
+
+
+@pytest.mark.parametrize(
+    ("rows", "held", "parted"),
+    [([20, 20, 20], False, False), ([20, 60, 30], False, True), ([20, 20, 20], True, True)],
+)
+def test_at_one_rate_without_holds_the_time_since_a_reversal_is_the_distance_from_it(rows, held, parted):
+    u = triangles((85.0,) * 3, rows=rows)
+    u = u[HELD[u.size > HELD]] if held else u
+    problem = reading_problem(wire_records([as_run("a", u, RelayWire(1).strain(u), dt=4.0)], ()))
+    assert ("time_since_reversal" in plain_variables.testable_variables(problem)) is parted

@@ -12,7 +12,12 @@ import numpy as np
 from smarig.core import Array
 from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, rough_kernel, smooth_kernel
-from smarig.diagnosis.comparison.measured.varied_together import OVER_CYCLES, at_one_rate, between_runs
+from smarig.diagnosis.comparison.measured.varied_together import (
+    OVER_CYCLES,
+    WITHIN,
+    at_one_rate,
+    between_runs,
+)
 
 LENGTH = 0.35  # of the variable's range
 NEEDS_CLOCK = ("rate", "speed", "time", "time_since_reversal")
@@ -44,8 +49,17 @@ def testable_variables(problem: ReadingProblem) -> list[str]:
         names = [n for n in names if n not in OVER_CYCLES]
     if at_one_rate(problem):
         names = [n for n in names if n not in ("rate", "speed")]
+    if _time_is_distance(problem):
+        names = [n for n in names if n != "time_since_reversal"]
     known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
     return [n for n in names if not (n == "run" and known)]
+
+
+def _time_is_distance(problem: ReadingProblem) -> bool:
+    """Whether the time since a reversal is the distance of the input from it, as at one rate without holds."""
+    z = {n: problem.variables[n][problem.train] for n in ("level", "history", "time_since_reversal")}
+    distance, time = np.abs(z["level"] - z["history"]), 10 ** z["time_since_reversal"]
+    return bool(np.corrcoef(distance, time)[0, 1] ** 2 > 1 - WITHIN)
 
 
 def _most_cycles(problem: ReadingProblem) -> float:
