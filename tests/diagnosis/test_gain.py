@@ -68,6 +68,15 @@ def test_few_blocks_have_no_interval():
         assert (g.interval() is not None) == known
 
 
+def test_no_share_exceeds_one_whatever_blocks_are_drawn():
+    """Blocks with little error bring the base model near the floor, and the extended one below it by chance."""
+    base = np.repeat([1.02, 1.02, 1.05, 1.1, 3.0, 1.02], 3)
+    extended = np.repeat([0.6, 0.5, 0.8, 0.6, 1.5, 0.7], 3)
+    g = gain(base, extended, np.arange(18) // 3, 1.0)
+    low, high = g.interval()
+    assert low < g.removable_share <= high <= 1.0
+
+
 def test_an_interval_is_the_same_for_the_same_seed():
     rng = np.random.default_rng(2)
     g = gain(rng.normal(0, 3, 60), rng.normal(0, 1, 60), np.arange(60) // 6, 0.5)

@@ -2,6 +2,8 @@
 
     R = (rms_base² − rms_extended²) / (rms_base² − floor²)        the removable share of the error's square
 
+An extended model below the floor is so by chance, and is its own floor: no share exceeds 1.
+
 Both models have densities identified from the same training runs, so R is the share of the effects alone. The zero
 of the encoder is estimated on the training runs too. Each position has the weight 1/σ². σ² is its noise plus the
 variance of the density that the training runs leave; floor² is the mean of σ². ``settled_rms`` counts settled points
@@ -222,5 +224,6 @@ def _predictive_variance(
 
 
 def _share(base: float, extended: float, floor: float) -> float | None:
-    removable = base**2 - floor**2
-    return (base**2 - extended**2) / removable if removable > 0 else None
+    if base <= floor:
+        return None
+    return (base**2 - extended**2) / (base**2 - min(floor, extended) ** 2)
