@@ -24,6 +24,7 @@ from smarig.diagnosis.comparison.commanded.extension import (
 )
 from smarig.diagnosis.comparison.commanded.shown_by_held_out import variable_of_all_runs
 from smarig.diagnosis.comparison.commanded.undetermined import missing_knowledge_of
+from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.verdict_rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
@@ -90,7 +91,8 @@ def concluded(
     likelier = (
         verdict.word != "silent" and weights.nothing < RULES["nothing"].value
     )  # something, than nothing
-    tried = [(by_effects, gain_by_effects)] if by_effects.parts and likelier else []
+    describes = by_effects.parts and not _variable_instead(verdict, evidence, by_effects.parts)
+    tried = [(by_effects, gain_by_effects)] if describes and likelier else []
     if verdict.word == "unknown" and likelier:
         laws = law_extensions(subject, found, by_effects.base)
         of_verdict = [law for law in laws if [p.name for p in law.parts] == [verdict.depends_on]]
@@ -130,6 +132,17 @@ def _by_all_runs(verdict: Verdict, variable: str | None) -> Verdict:
         return verdict
     reason = "variable" if verdict.reason == "inadequate" else verdict.reason
     return replace(verdict, reason=reason, depends_on=variable)
+
+
+def _variable_instead(verdict: Verdict, evidence: VerdictEvidence, effects: tuple[Part, ...]) -> bool:
+    """Whether the variable of an unknown verdict is likely to act, and none of these effects is."""
+    variable = Part("variable", verdict.depends_on or "")
+    likely = RULES["nothing"].value
+    return (
+        verdict.word == "unknown"
+        and evidence.causes.get(variable, 0.0) >= likely
+        and all(evidence.causes.get(p, 0.0) < likely for p in effects)
+    )
 
 
 def _worse(gain: HeldOutGain | None) -> bool:

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 
 MIN_UNRECORDED_S = 60.0  # shorter gaps: two commands typed one after the other
-NO_EXTENSION = "it predicts the held-out runs worse"
+NO_EXTENSION = (
+    "it predicts the held-out runs worse, or the errors go with a variable and not with its effects"
+)
 
 
 def commanded_lines(d: "CommandedDiagnosis") -> Iterator[str]:
