@@ -292,13 +292,15 @@ def _terms(plain: PlainModel, variable: str) -> tuple[LearnedTerm, ...]:
 
 
 def _extension(plain: PlainModel, evidence: MeasuredComparison) -> MeasuredExtension | None:
-    """The extended model of the verdict. What lies between training and held-out runs changes no model."""
+    """The extended model of the verdict. What lies between training and held-out runs changes no model, and a law of
+    one of several variables that go together would hold for such runs only.
+    """
     verdict = evidence.verdict
     if evidence.between_runs:
         return None
     if verdict.word in ("named", "ambiguous"):
         return extension_by_effects(plain, evidence.effects, verdict.word)
-    if verdict.word == "unknown" and verdict.depends_on:
+    if verdict.word == "unknown" and verdict.depends_on and verdict.reason != "confounded":
         return extension_by_law(plain, verdict.depends_on)
     return None
 

@@ -28,6 +28,7 @@ PROPERTIES = {  # what is to be expected of every Preisach operator, in case it 
     "wiping_out": "Wiping-out fails: branches that start at the same end of the input differ",
 }
 NO_EXTENSION = "it predicts blocks left out of the fit, or the held-out runs, no better"
+NO_LAW = "a law of one of the variables that vary together here may be wrong where they do not"
 
 
 def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
@@ -80,7 +81,7 @@ def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:
     """What was learned in place of a cause, or why no extended model is offered."""
     law = d.learned
     if d.extension is None and not d.evidence.between_runs and (d.findings or d.verdict.depends_on):
-        yield no_extension_text(NO_EXTENSION)
+        yield no_extension_text(NO_LAW if d.verdict.reason == "confounded" else NO_EXTENSION)
     for term in law.terms if law else ():
         of = " and ".join(v.replace("_", " ") for v in term.variables)
         formula = law.formula(term) if law else None
