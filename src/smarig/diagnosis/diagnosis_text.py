@@ -21,9 +21,9 @@ def no_extension_text(reason: str) -> str:
 
 
 def learned_gain_text(gain_blocks: float, similar: Sequence[str]) -> str:
-    """What a learned term removes, and the effects that it looks like."""
-    like = f", and looks like {', '.join(similar)}" if similar else ""
-    return f"It removes {100 * gain_blocks:.0f} % of the error on blocks left out of the fit{like}."
+    """What a learned term removes, and the effects that leave an error which depends on the same variable."""
+    size = f"It removes {100 * gain_blocks:.0f} % of the error on blocks left out of the fit."
+    return f"{size} Effects that depend on the same variable: {', '.join(similar)}." if similar else size
 
 
 def parameter_text(name: str, v: Mapping[str, Any]) -> str:
