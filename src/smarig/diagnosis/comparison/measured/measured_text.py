@@ -63,8 +63,8 @@ def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
     """
     ends = sorted(-e for e in offset.interval)
     shift = f"{-offset.offset:.3g} [{ends[0]:.3g}, {ends[1]:.3g}] {input_unit}"
-    return (
     which = "held-out run" if offset.held_out else "training run"
+    return (
         f"The loop of {which} {offset.run} is shifted by {shift} along the input against {offset.against}: the reading "
         "of the input, the load or the specimen differs. With this shift, blocks of that run that are left out are "
         f"predicted to {offset.with_offset:.4g}{spaced(unit)} instead of {offset.without:.4g}{spaced(unit)}."
@@ -114,10 +114,11 @@ def _held_out(d: "MeasuredDiagnosis") -> Iterator[str]:
     """The errors on held-out runs."""
     if d.gain is None:
         return
-    if d.extended:
-        yield gain_text(d.gain, d.unit)
-    else:
-        yield held_out_text(d.gain, d.unit)
+    errors = gain_text(d.gain, d.unit) if d.extended else held_out_text(d.gain, d.unit)
+    yield (
+        f"{errors} These errors are at {d.gain.block.size} readings, spread along the branches; smarig verify and "
+        "smarig study count every row, so their figures differ."
+    )
 
 
 def _properties(d: "MeasuredDiagnosis") -> Iterator[str]:
