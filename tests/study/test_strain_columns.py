@@ -71,6 +71,8 @@ def test_a_stress_in_a_unit_that_is_not_known_is_no_load(tmp_path, unit):
     [
         ("dL/Lo/*10^-3", "1e-3"),
         ("dL/L0/*1E-03", "1e-3"),
+        ("ΔL/L0/e-6", "ppm"),
+        ("dL/L0 [E-03]", "1e-3"),
         ("ΔL/L0/10⁻³", "1e-3"),
         ("dL/L0 /10^-6", "ppm"),
         ("dL/L0/ppm", "ppm"),

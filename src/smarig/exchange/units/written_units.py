@@ -127,7 +127,7 @@ _FOREIGN = {  # spellings of other programs and languages
     "fahrenheit": "degF",
     "f": "degF",
 }
-_POWER_OF_TEN = re.compile(r"[*×x·]?\s*(?:10\s*\^?\s*\(?[-−⁻]|1[eE]-)0*([236²³⁶])\)?")  # *10^-3, 1E-06
+_POWER_OF_TEN = re.compile(r"[*×x·]?\s*(?:10\s*\^?\s*\(?[-−⁻]|1?[eE]-)0*([236²³⁶])\)?")  # *10^-3, 1E-06, E-03
 _RATIOS = {"2": "%", "3": "1e-3", "6": "ppm", "²": "%", "³": "1e-3", "⁶": "ppm"}
 _PER = re.compile(r"(.+)[_\s]per[_\s](.+)")  # kA_per_m
 _POWER = re.compile(r"(?:\^?[23]|[²³])$")
