@@ -142,6 +142,31 @@ def error_codes(x: Array) -> NDArray[np.bool_]:
     return mask
 
 
+def lost_decimals(x: Array) -> NDArray[np.bool_]:
+    """Mask of the few readings (n,) that are ten, a hundred or a thousand times what both neighbours read, and further
+    off than all others lie apart: a number that was written without its decimal sign.
+
+    >>> x = 120 + np.arange(40) / 2
+    >>> x[7] = 1235
+    >>> np.flatnonzero(lost_decimals(x)).tolist()
+    [7]
+    """
+    mask, known = np.zeros(x.size, dtype=bool), np.flatnonzero(np.isfinite(x))
+    v = x[known]
+    if v.size < 10:
+        return mask
+    around = np.c_[v[:-2], v[2:]]
+    step = float(np.median(np.abs(np.diff(v))))
+    for factor in (10.0, 100.0, 1000.0):
+        read = v[1:-1] / factor
+        near = (read >= around.min(axis=1) - step) & (read <= around.max(axis=1) + step)
+        mask[known[1:-1]] |= near & (10 * (np.ptp(around, axis=1) + step) < np.abs(read))
+    others = x[known][~mask[known]]
+    off = np.maximum(x - others.max(), others.min() - x)
+    mask &= off > np.ptp(others)
+    return mask if mask.sum() <= max(1, _FEW * known.size) else np.zeros_like(mask)
+
+
 def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[ImportFinding]:
     lone = lone_spikes(x)
     if not lone.any():

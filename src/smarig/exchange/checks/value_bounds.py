@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, shown, spaced
-from smarig.exchange.checks.channel_faults import error_codes
+from smarig.exchange.checks.channel_faults import error_codes, lost_decimals
 from smarig.exchange.units.unit_conversion import convert
 from smarig.record import LARGEST, ImportFinding
 
@@ -82,18 +82,32 @@ def check_size(
 def without_codes(
     column: str, x: Array, written: Array, line: NDArray[np.int64]
 ) -> tuple[Array, list[ImportFinding]]:
-    """The values (n,) with NaN for a code of an error that is repeated in single rows, and a finding on it; ``written``
-    are the values in the unit of the file.
+    """The values (n,) with NaN for a code of an error that is repeated in single rows, and for numbers that lost their
+    decimal sign, with a finding on each; ``written`` are the values in the unit of the file.
     """
+    x, slips = _without_slips(column, x, written, line)
     codes = error_codes(np.where(np.isfinite(x), written, np.nan))
     if not codes.any():
-        return x, []
+        return x, slips
     values = " and ".join(f"{value:g}" for value in np.unique(written[codes]))
     text = (
         f"{int(codes.sum())} readings of {x.size} are masked: {values} in single rows, the first in line "
         f"{line[codes][0]}, beyond all other readings (column {shown(column)})."
     )
-    return np.where(codes, np.nan, x), [ImportFinding(text, "impossible readings")]
+    return np.where(codes, np.nan, x), [*slips, ImportFinding(text, "impossible readings")]
+
+
+def _without_slips(
+    column: str, x: Array, written: Array, line: NDArray[np.int64]
+) -> tuple[Array, list[ImportFinding]]:
+    """The values (n,) with NaN for numbers that lost their decimal sign, and a finding on each."""
+    slips = lost_decimals(np.where(np.isfinite(x), written, np.nan))
+    texts = [
+        f"{value:g} in line {k} is masked: its decimal sign is missing, as its neighbours show (column "
+        f"{shown(column)})."
+        for value, k in zip(written[slips], line[slips])
+    ]
+    return np.where(slips, np.nan, x), [ImportFinding(text, "impossible readings") for text in texts]
 
 
 def plausible(x: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from smarig.core import Array
-from smarig.exchange.checks.channel_faults import error_codes
+from smarig.exchange.checks.channel_faults import error_codes, lost_decimals
 from smarig.exchange.checks.time_axis import unwrapped
 from smarig.exchange.checks.value_bounds import check_size
 from smarig.exchange.tables.text_table import Table
@@ -73,7 +73,8 @@ def found_columns(
     kinds: dict[str, str],
     comments: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[FoundColumn, ...]:
-    """The columns of a table that was read, without codes of errors; DataError with the line for a value that is too
+    """The columns of a table that was read, without codes of errors and numbers that lost their
+    decimal sign; DataError with the line for a value that is too
     large to be measured.
     """
     for name, values in table.columns.items():
@@ -82,7 +83,7 @@ def found_columns(
         FoundColumn(
             name,
             units.get(name, ""),
-            unwrapped(np.where(error_codes(values), np.nan, values)),
+            unwrapped(np.where(error_codes(values) | lost_decimals(values), np.nan, values)),
             kinds.get(name, NUMBER),
             comments.get(name, ""),
         )
