@@ -116,3 +116,42 @@ def test_markup_of_units_is_read(tmp_path, written_as, meant):
     assert table.names == ("ε1", "B")
     assert table.columns[0].unit == meant
     assert table.columns[1].comment == "x y"
+
+
+def two_ways(path, loads, swapped=False, slip=None):
+    """A sheet with the way there and the way back side by side for each load, as a hand writes it; the loops."""
+    openpyxl = pytest.importorskip("openpyxl", reason="needs openpyxl (extra 'files')")
+    sheet = (book := openpyxl.Workbook()).active
+    u = np.r_[np.linspace(24, 96, 45), np.linspace(95.5, 24.5, 45)]
+    loops = [np.c_[u, 5 + displacements(u - 5 * k)] for k in range(len(loads))]
+    sheet.append([cell for load in loads for cell in (load, None, None, None, None)])
+    sheet.append(["T (°C)", "x (mm)", "T (°C)", "x (mm)", None] * len(loads))
+    for k in range(45):
+        ways = [[loop[45 + k], loop[k]] if swapped else [loop[k], loop[45 + k]] for loop in loops]
+        sheet.append([cell for pair in ways for cell in (*map(float, pair[0]), *map(float, pair[1]), None)])
+    if slip is not None:
+        cell = sheet.cell(row=slip, column=2)
+        cell.value = round(cell.value * 100)
+    book.save(path)
+    return loops
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("loads", [["m = 300 g"], ["m = 300 g", "m = 800 g"], ["5 N", "9 N", "12 N"]])
+def test_two_ways_side_by_side_are_one_loop(tmp_path, loads, swapped):
+    full = two_ways(tmp_path / "a.xlsx", loads, swapped=swapped)
+    result = study([tmp_path / "a.xlsx"], tmp_path / "out", StudyOptions(diagnose=False))
+    assert len(result.tables) == len(loads)
+    for table, loop in zip(result.tables, full):
+        np.testing.assert_allclose(table.run["input"], loop[:, 0], atol=1e-9)
+        np.testing.assert_allclose(table.run["position"], loop[:, 1], atol=1e-9)
+        assert len(loads) == 1 or "load" in table.run.info.conditions
+    assert not any("thermometer" in hint or "one way" in hint for hint in result.hints())
+
+
+def test_a_number_that_lost_its_decimal_sign_is_masked(tmp_path):
+    two_ways(tmp_path / "a.xlsx", ["m = 300 g"], slip=20)
+    result = study([tmp_path / "a.xlsx"], tmp_path / "out", StudyOptions(diagnose=False))
+    (table,) = result.tables
+    assert np.flatnonzero(np.isnan(table.run["position"])).tolist() == [17]
+    assert any("decimal sign is missing" in finding.text for finding in table.findings)

@@ -1,5 +1,5 @@
 """Finds columns of a heating and a cooling branch side by side in one row: names that differ in one letter, or by two
-opposite words beside an input that goes one way.
+opposite words beside an input that goes one way, or that are written twice above an input that goes and comes back.
 """
 
 import re
@@ -8,12 +8,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from smarig.core import Array
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess, as_temperature
 from smarig.study.input_turns import wide_turns
 
 _FEWEST = 2  # pairs of columns
 _FEWEST_ROWS = 3  # of a branch
+_APART = 0.1  # of the range: how far the ends of two branches of one loop lie apart
 _RISING_FALLING = (
     ("heating", "cooling"),
     ("heat", "cool"),
@@ -38,7 +40,7 @@ def branch_pairs(columns: Sequence[ColumnGuess]) -> dict[str, str]:
     Names differ by the same letter, such as g and d, in at least two pairs; one column rises from row to row, and its
     partner falls through the same range.
     """
-    by_name = {c.name: c for c in columns}
+    by_name = {c.name: c for c in columns if c.facts.kind != "text"}
     found: dict[tuple[str, str], dict[str, str]] = defaultdict(dict)
     for a in by_name:
         for b in by_name:
@@ -58,7 +60,39 @@ def _opposite(a: ColumnGuess, b: ColumnGuess) -> bool:
     x, y = a.facts.known, b.facts.known
     if x.size < 3 or x.size != y.size or not (np.diff(x) > 0).all() or not (np.diff(y) < 0).all():
         return False
-    return bool(abs(x[-1] - y[0]) + abs(x[0] - y[-1]) < 0.1 * np.ptp(x))
+    return comes_back(x, y)
+
+
+def comes_back(x: Array, y: Array) -> bool:
+    """Whether ``y`` goes from the end of ``x`` back to its start."""
+    return bool(abs(x[-1] - y[0]) + abs(x[0] - y[-1]) < _APART * np.ptp(x))
+
+
+def branches_written_twice(columns: Sequence[ColumnGuess], output: str | None = None) -> dict[str, str]:
+    """The column of the falling branch for each of the rising one, where the names are written twice, as "T" and
+    "T (2)", and the first of them goes one way and comes back through the same range.
+
+    Names that are written three times are of specimens; a column of the second branch that is given as the ``output``
+    is meant alone.
+    """
+    moving = {c.name: c for c in columns if c.facts.known.size and c.facts.kind != "text"}
+    pairs = {name: f"{name} (2)" for name in moving if f"{name} (2)" in moving}
+    pairs = {a: b for a, b in pairs.items() if moving[a].unit == moving[b].unit}
+    if any(f"{name} (3)" in moving for name in pairs):
+        return {}
+    for drive, other in pairs.items():
+        u, back = moving[drive], moving[other]
+        outputs = {a: b for a, b in pairs.items() if a != drive}
+        if (
+            outputs
+            and u.quantity not in q.NO_SIGNALS
+            and _one_way((u, back), moving, outputs)
+            and comes_back(u.facts.known, back.facts.known)
+        ):
+            falls = _way(u, moving[next(iter(outputs))]) < 0
+            pairs = {b: a for a, b in pairs.items()} if falls else pairs
+            return {} if output in pairs.values() else pairs
+    return {}
 
 
 def branches_by_words(columns: Sequence[ColumnGuess], output: str | None = None) -> dict[str, str]:
@@ -132,7 +166,12 @@ def _rows(u: ColumnGuess, y: ColumnGuess) -> np.ndarray:
 def goes_one_way(u: ColumnGuess, y: ColumnGuess) -> bool:
     """Whether an input goes one way in the rows of a branch."""
     rows = _rows(u, y)
-    return bool(rows.size >= _FEWEST_ROWS and np.ptp(rows) > 0 and wide_turns(rows).size == 2)
+    return goes_through(rows)
+
+
+def goes_through(x: Array) -> bool:
+    """Whether readings go one way through their range."""
+    return bool(x.size >= _FEWEST_ROWS and np.ptp(x) > 0 and wide_turns(x).size == 2)
 
 
 def _way(u: ColumnGuess, y: ColumnGuess) -> float:

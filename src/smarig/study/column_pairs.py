@@ -11,6 +11,7 @@ import numpy as np
 
 from smarig.core import Array
 from smarig.exchange import FoundColumn, FoundTable, LabelledBlock, labelled_blocks
+from smarig.study.branch_pairs import comes_back, goes_through
 from smarig.study.column_facts import column_facts, counts_rows
 from smarig.study.input_turns import wide_turns
 from smarig.study.quantity_words import without_branch
@@ -19,24 +20,27 @@ from smarig.study.stated_conditions import conditions_in_comments
 from smarig.study.table_guess import TableGuess, guess_table
 
 _AGAIN = re.compile(r"(.+) \((\d+)\)")  # a name that was written before
+_NAMELESS = re.compile(r"column \d+")  # the name of a column that has none
 _FEWEST = 2  # columns of a group, and groups of a table
 
 
 def tables_of_pairs(table: FoundTable, named: Collection[str | None] = ()) -> list[FoundTable]:
     """A table for each group of columns whose names and units repeat, but for a label; the table itself if none do.
 
-    The columns of the other groups are kept behind the own ones as texts, so that a mapping lists them. Groups of
-    single branches, without a load or a clock of their own, may be the branches of one loop: they stay together. So do
-    all if the user has ``named`` a column of a later group.
+    The columns of the other groups are kept behind the own ones as texts, so that a mapping lists them. Two groups that
+    are the way there and the way back are one. Other groups of single branches, without a load or a clock of their own,
+    may be the branches of one loop: they stay together. So do all if the user has ``named`` a column of a later group.
     """
-    groups = _groups(table)
+    single = _groups(table)
+    groups = _with_the_way_back(single)
     if len(groups) < _FEWEST:
         return _labelled_records(table, named) or [table]
     chosen = {column.name for group in groups[1:] for column in group} & set(named)
     if chosen:
         return [table]
+    loops = len(groups) < len(single)
     guesses = [guess_table(_part(table, group)) for group in groups]
-    if not (_have_own_clocks(guesses) or all(map(_is_run, groups, guesses))):
+    if not (loops or _have_own_clocks(guesses) or all(map(_is_run, groups, guesses))):
         return [table]
     return [_table_of(table, groups, k) for k in range(len(groups))]
 
@@ -52,7 +56,7 @@ def _groups(table: FoundTable) -> list[tuple[FoundColumn, ...]]:
     """
     if not _has_heading(table):
         return [table.columns]
-    columns = table.columns[_counters(table) :]
+    columns = [column for column in table.columns[_counters(table) :] if not _divides(column)]
     written = [(_plain(column.name, table.names), column.unit) for column in columns]
     for period in range(_FEWEST, len(written) // 2 + 1):
         number = next(
@@ -65,8 +69,29 @@ def _groups(table: FoundTable) -> list[tuple[FoundColumn, ...]]:
         )
         behind = written[number * period :]
         if number >= _FEWEST and len(behind) < period and not set(behind) & set(written[:period]):
-            return [columns[k * period :][:period] for k in range(number)]
+            return [tuple(columns[k * period :][:period]) for k in range(number)]
     return [table.columns]
+
+
+def _divides(column: FoundColumn) -> bool:
+    """Whether a column without a name and without numbers only divides the groups beside it."""
+    nameless = _NAMELESS.fullmatch(column.name) is not None and not column.unit
+    return nameless and not np.isfinite(column.values).any()
+
+
+def _with_the_way_back(groups: Sequence[tuple[FoundColumn, ...]]) -> list[tuple[FoundColumn, ...]]:
+    """The groups, with one for each two neighbours if all of them are the branches of a loop, at one load each."""
+    doubled = [(*a, *b) for a, b in zip(groups[::2], groups[1::2])]
+    if len(groups) == 2 * len(doubled) > _FEWEST and all(map(_is_loop, groups[::2], groups[1::2])):
+        return doubled
+    return list(groups)
+
+
+def _is_loop(there: Sequence[FoundColumn], back: Sequence[FoundColumn]) -> bool:
+    """Whether a group goes one way through the range of its first column, and the next one comes back at its load."""
+    ways = [column.values[np.isfinite(column.values)] for column in (there[0], back[0])]
+    loads = [conditions_in_comments(group) for group in (there, back)]
+    return loads[0] == loads[1] and all(goes_through(x) for x in ways) and comes_back(*ways)
 
 
 def _labelled_records(table: FoundTable, named: Collection[str | None]) -> list[FoundTable]:
@@ -182,6 +207,7 @@ def _table_of(table: FoundTable, groups: Sequence[tuple[FoundColumn, ...]], numb
         name=f"{table.name} {title}".strip(),
         columns=tuple(columns),
         layout={**table.layout, key: entries},
+        titles=(*table.titles, *titles[number : number + 1]),
     )
     rows = _filled(groups[number])
     return found if rows == slice(0, len(table)) else table_of_rows(found, rows)
@@ -189,9 +215,10 @@ def _table_of(table: FoundTable, groups: Sequence[tuple[FoundColumn, ...]], numb
 
 def _titles(table: FoundTable, groups: Sequence[Sequence[FoundColumn]]) -> list[str]:
     """What a row above the names says of each group, as names of specimens; [] unless it differs for each."""
-    width, start = len(groups[0]), _counters(table)
-    for row in (row[start:] for row in table.above):
-        cells = [list(filter(None, row[k * width : (k + 1) * width])) for k in range(len(groups))]
+    place = {name: k for k, name in enumerate(table.names)}
+    places = [[place[column.name] for column in group] for group in groups]
+    for row in table.above:
+        cells = [[row[k] for k in group if k < len(row) and row[k]] for group in places]
         titles = [" ".join(words) for words in cells]
         if all(len(words) == 1 for words in cells) and len(set(titles)) == len(titles):
             return titles

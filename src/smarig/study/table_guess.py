@@ -12,6 +12,7 @@ from smarig.study.branch_pairs import (
     backward_branches,
     branch_pairs,
     branches_by_words,
+    branches_written_twice,
     goes_one_way,
     with_shared_input,
 )
@@ -131,7 +132,8 @@ def guess_table(
     columns = with_heat_flows(table, guess_columns(table, units or {}, files))
     pairs, by_words = branch_pairs(columns), False
     if not pairs:
-        pairs, by_words = branches_by_words(columns, output), True
+        twice = branches_written_twice(columns, output)
+        pairs, by_words = branches_by_words(columns, output) or twice, True
         columns = with_shared_input(columns, pairs)
     moving = [c for c in columns if c.facts.known.size > 1 and c.facts.span > 0 and c.facts.kind != "text"]
     _check_named(table, {"input": input, "output": output}, columns, moving)
@@ -222,7 +224,11 @@ def _as_used(c: ColumnGuess, guess: TableGuess) -> ColumnGuess:
 
 
 def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
-    """The guess of a table whose rows hold two branches; they share no clock."""
+    """The guess of a table whose rows hold two branches; they share no clock, and neither witnesses the other."""
+    partners = {b: Role("ignored", "the other branch", LIKELY) for a, b in branches.items() if a != b}
+    guess = replace(
+        guess, roles=guess.roles | {name: r for name, r in partners.items() if name in guess.roles}
+    )
     if not by_words:
         return replace(guess, branches=branches)
     of_name = {c.name: c for c in guess.columns}
