@@ -155,3 +155,12 @@ def test_a_number_that_lost_its_decimal_sign_is_masked(tmp_path):
     (table,) = result.tables
     assert np.flatnonzero(np.isnan(table.run["position"])).tolist() == [17]
     assert any("decimal sign is missing" in finding.text for finding in table.findings)
+
+
+@pytest.mark.parametrize("unit", ["nemu", "µemu", "mA m²", "µAm2"])
+def test_moments_in_small_units_stand_below_their_names(tmp_path, unit):
+    comments = ["Film A", "Film A", "Film B", "Film B"]
+    path = written(tmp_path / "a.dat", pairs()[:2], comments, ("kOe", unit), ("Field", "Moment"))
+    guesses = understand([path], StudyOptions()).guesses
+    assert [g.table.name for g in guesses] == ["Film A", "Film B"]
+    assert {g.first("output").quantity for g in guesses} == {"magnetic moment"}

@@ -61,8 +61,6 @@ _PLAIN: dict[str, tuple[str, float, float]] = {
     "kG": ("magnetic field", 0.1, 0.0),
     "A/m": ("magnetic field", _MU_0, 0.0),
     "kA/m": ("magnetic field", 1e3 * _MU_0, 0.0),
-    "A m^2": ("magnetic moment", 1.0, 0.0),
-    "emu": ("magnetic moment", 1e-3, 0.0),
     "A m^2/kg": ("specific moment", 1.0, 0.0),
     "emu/g": ("specific moment", 1.0, 0.0),
     "V/m": ("electric field", 1.0, 0.0),
@@ -106,6 +104,8 @@ _PREFIXED = {
     "J": ("energy", 1.0, "n u m k M"),
     "g": ("mass", 1.0, "n u m k"),
     "mol": ("amount", 1.0, "n u m k"),
+    "emu": ("magnetic moment", 1e-3, "n u m"),
+    "A m^2": ("magnetic moment", 1.0, "n u m"),
 }
 UNITS = {
     f"{prefix}{unit}": (dimension, _PREFIXES[prefix] * factor, 0.0)
