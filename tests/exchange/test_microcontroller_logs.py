@@ -67,3 +67,15 @@ def test_a_counter_that_wraps_is_one_clock(write, bits, step, top):
 )
 def test_other_columns_are_as_they_are(x):
     np.testing.assert_array_equal(unwrapped(np.asarray(x, dtype=float)), x)
+
+
+@pytest.mark.parametrize("cut", ["", "30500;41\n"])
+def test_a_board_that_starts_again_writes_its_messages_again(tmp_path, cut):
+    start = "Muscle bench 2.1\nADS1115 found\nmillis;T_wire;x_mm\n"
+    rows = "".join(f"{500 + 250 * k};{30 + k % 40};{1.5 + 0.01 * k:.2f}\n" for k in range(120))
+    path = tmp_path / "serial.txt"
+    path.write_text(start + rows + cut + start + rows)
+    (table,) = find_tables(path)
+    assert table.names == ("millis", "T_wire", "x_mm")
+    assert len(table) == 240 + bool(cut)
+    assert table.layout["file"]["interruptions"] == "leave out"

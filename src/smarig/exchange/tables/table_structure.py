@@ -73,6 +73,7 @@ def find_blocks(
         if kind != "data":
             continue
         if runs and _joined(rows, kinds, runs[-1][1], k, titles):
+            breaks += [k] if _starts_again(rows, kinds, runs[-1][1], k) else []
             runs[-1][1] = k + 1
         elif runs and lines and _goes_on(rows, lines, runs[-1][1], k, style):
             runs[-1][1] = k + 1
@@ -150,6 +151,13 @@ def _joined(
     if any(kinds[i] == "blank" for i in between):
         return False
     return all(tuple(rows[i]) in titles for i in between)
+
+
+def _starts_again(rows: Sequence[Sequence[str]], kinds: Sequence[str], end: int, k: int) -> bool:
+    """Whether rows ``end`` … ``k`` hold more than the names of the columns once more, as what a board writes when it
+    starts.
+    """
+    return len({tuple(rows[i]) for i in range(end, k) if kinds[i] == "text" and not rows[i][0].startswith("#")}) > 1
 
 
 def _goes_on(
