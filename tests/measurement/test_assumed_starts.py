@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from smarig.measurement import may_assume_start
+from smarig.measurement import may_assume_start, noise_at_start, starting_state
 from smarig.record import Run
 from smarig.record.schema import SAMPLE_COLUMNS
 
@@ -42,3 +42,16 @@ def test_the_start_of_data_with_a_measured_input_may_be_assumed(source, quantity
 def test_so_may_that_of_a_part_of_a_record_that_a_current_drives():
     assert may_assume_start(run("import", "current", "A", current=True, part_of="whole"))
     assert not may_assume_start(run("import", "wire temperature", "K", current=True, part_of="whole"))
+
+
+def test_a_noisy_current_that_begins_at_rest_is_at_its_end():
+    noise = np.random.default_rng(5).normal(0, 2e-3, 400)
+    u = 0.45 * (1 - np.cos(np.linspace(0, 6 * np.pi, 400))) + noise
+    u[0] = 0.006  # not the lowest reading, and further from it than the tolerance
+    one = run("import", "current", "A", current=True)
+    one.columns.update({name: np.resize(x, 400) for name, x in one.columns.items()} | {"input": u})
+    ends, known = (-0.005, 0.905), noise_at_start(one)
+    assert starting_state(None, u, ends, may_assume=False).state is None
+    assert starting_state(None, u, ends, may_assume=False, noise=known).state == "negative"
+    assert starting_state(None, u + 0.3, ends, may_assume=False, noise=known).state is None
+    assert noise_at_start(run("rig", "current", "A", current=True)) == 0

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from smarig.measurement.starting_state import first_branch_differs as first_branch_differs
     from smarig.measurement.starting_state import has_measured_input as has_measured_input
     from smarig.measurement.starting_state import may_assume_start as may_assume_start
+    from smarig.measurement.starting_state import noise_at_start as noise_at_start
     from smarig.measurement.starting_state import starting_state as starting_state
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -50,12 +50,13 @@ def starting_state(
     turns: Sequence[int] | None = None,
     may_assume: bool = True,
     outputs: Array | None = None,
+    noise: float = 0.0,
 ) -> StartingState:
     """The state at the start of inputs (n,) of an operator with saturation at ``ends`` = (u₋, u₊).
 
     ``initial`` is the recorded state. ``first_input``: the first input of the record, if that is not ``u[0]``. A record
     that starts within a tenth of the range from an end is assumed to start in saturation there, unless its ``outputs``
-    (n,) contradict that. One half way is assumed to come from the saturation behind it. Where the state is not that of
+    (n,) contradict that; ``noise``: the range of that of a measured input, within which a start is at an end. One half way is assumed to come from the saturation behind it. Where the state is not that of
     a saturation, the memory is known from the first reversal (``turns``) on.
 
     >>> starting_state(None, np.array([0.0, 9.0, 1.0]), (0.0, 10.0)).state
@@ -67,7 +68,8 @@ def starting_state(
         if initial == name:
             return StartingState(name)
     begin = float(u[0]) if first_input is None and u.size else first_input
-    evident = _saturation(begin, ends, SATURATION_TOLERANCE)
+    share = noise / (ends[1] - ends[0]) if ends[1] > ends[0] else 0.0
+    evident = _saturation(begin, ends, max(SATURATION_TOLERANCE, min(share, START_SHARE)))
     if not may_assume or not u.size:
         return StartingState(evident)
     turns = reversals(u) if turns is None else turns
@@ -168,6 +170,15 @@ def may_assume_start(run: Run) -> bool:
     if imported and run.info.input.quantity == "current" and (run.meta.get("imported") or {}).get(PART_OF):
         return run.has("input") and run.has("position")
     return has_measured_input(run) and (imported or not run.settled)
+
+
+def noise_at_start(run: Run) -> float:
+    """The range of the noise of an input that others measured as the heating current, by which a first reading may
+    miss the end at which the wire rests; 0 where the state may be assumed anyway, and for computed inputs.
+    """
+    imported = run.info.source == "import" and run.info.input.quantity == "current" and not run.settled
+    u = run["input"][np.isfinite(run["input"])] if imported and run.has("input") else np.empty(0)
+    return noise_range(u) if u.size > 2 and not may_assume_start(run) else 0.0
 
 
 def has_measured_input(run: Run) -> bool:

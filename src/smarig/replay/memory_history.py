@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError
-from smarig.measurement import STARTS, Start, may_assume_start, starting_state
+from smarig.measurement import STARTS, Start, may_assume_start, noise_at_start, starting_state
 from smarig.preisach import Preisach, RelayMeasure, State
 from smarig.record import Run, continues_run
 from smarig.replay.measured_input import driven_by_input
@@ -82,6 +82,7 @@ def memory_histories(
                 first_input=sign * float(run["input"][0]) if len(run) else None,
                 may_assume=may_assume_start(run),
                 outputs=y,
+                noise=noise_at_start(run),
             )
             start, first_known = seen.state, seen.first
         u = inputs[at : at + y.size]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, UsageError, in_unit
-from smarig.measurement import SATURATION_TOLERANCE, StartingState, may_assume_start, starting_state
+from smarig.measurement import SATURATION_TOLERANCE, StartingState, may_assume_start, noise_at_start, starting_state
 from smarig.preisach import Everett
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay.extended_model import Operator
@@ -132,6 +132,7 @@ def _start(h: Everett, run: Run) -> StartingState:
         first_input=float(run["input"][0]) if len(run) else None,
         may_assume=may_assume_start(run),
         outputs=outputs,
+        noise=noise_at_start(run),
     )
 
 
