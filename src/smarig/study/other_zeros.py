@@ -1,17 +1,21 @@
 """Loops that are one but for the zero of the output: no page of one file shows it, and no error contains it."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from smarig.core import SmarigError, root_mean_square, spaced
+import numpy as np
+
+from smarig.core import Array, SmarigError, root_mean_square, spaced
 from smarig.diagnosis import RULES
-from smarig.identification import verify
+from smarig.identification import RunVerification, verify
 from smarig.record import OWN_ZERO, Run, load_run
 from smarig.replay import load_model
 from smarig.report import display_unit, number
 from smarig.study.candidate_models import WORSE, CandidateModel
 from smarig.study.data_split import DataSplit
+from smarig.study.input_turns import wide_turns
 from smarig.study.runs_by_condition import differing
 
 if TYPE_CHECKING:
@@ -48,8 +52,24 @@ def zeros_of_held_out(split: DataSplit, best: CandidateModel) -> list[str]:
         f"The output of {run.name} reads {_shown(checked.offset, best.model.unit)} throughout than that of the fitted "
         "runs: another zero, which its errors do not contain."
         for run, checked in zip(split.held_out, best.held_out)
-        if checked.offset_kind == "fitted" and _is_clear(checked.offset, max(best.rms, best.train_rms))
+        if checked.offset_kind == "fitted" and _is_of_zero(checked.offset, best)
     ]
+
+
+def _is_of_zero(shift: float, best: CandidateModel) -> bool:
+    """Whether a shift is larger than the errors, and far more than their means over branches: what a lag leaves on one
+    branch has the other sign on the next one, but a zero moves them all.
+    """
+    means = [_means_over_branches(run) for run in (*best.train, *best.held_out)]
+    return abs(shift) > max(best.rms, best.train_rms) and _is_clear(
+        shift, root_mean_square(np.concatenate(means))
+    )
+
+
+def _means_over_branches(run: RunVerification) -> Array:
+    """The mean error of each branch of a run (k,), between turns of its input."""
+    error, u = ((run.measured - run.predicted)[run.counted], run.input[run.counted])
+    return np.array([error[a : b + 1].mean() for a, b in pairwise(wide_turns(u).tolist())])
 
 
 def _is_clear(shift: float, left: float) -> bool:
