@@ -209,3 +209,32 @@ def test_a_power_is_a_heat_flow_where_it_turns_negative_or_a_way_is_exothermic(t
         assert result.unit == "mW"
         assert result.sentences()[-1] == "Exothermic is up, as the file says."
         assert {"A_s", "A_f", "M_s", "M_f"} <= result.calorimetry.cycles[0].figures.keys()
+
+
+@pytest.mark.parametrize("unit", ["mW", "W/g"])
+def test_the_lag_of_the_instrument_after_a_turn_is_no_baseline_and_no_other_state(tmp_path, unit):
+    """A sensor that follows the turn of a heat capacity in 8 s: the feet and the heat keep narrow intervals."""
+    late = []
+    for k, (u, t, y) in enumerate(branches(cycles=3, seed=4)):
+        decay = np.exp(-(t - t[0]) / (8 / 60))
+        capacity = -0.7 if k % 2 else 0.7
+        late.append((u, t, y + capacity * (1 - (2 if k else 0) * decay)))
+    table = [tuple(np.concatenate(parts)) for parts in zip(*late)]
+    text = f"Time (min)\tTemperature (°C)\tHeat Flow ({unit})\n"
+    text += "".join(f"{b:.4f}\t{a:.3f}\t{c:.5f}\n" for a, b, c in zip(*table))
+    (tmp_path / "a.txt").write_text(text, encoding="utf-8")
+    result = study([tmp_path / "a.txt"], tmp_path / "out", StudyOptions())
+    for cycle in result.calorimetry.cycles:
+        for name, low, high in (("A_s", 46, 51), ("M_s", 34, 36), ("M_f", 14, 16)):
+            assert low < cycle.figures[name].value < high
+            assert np.ptp(cycle.figures[name].ci95) < 1
+        assert np.ptp(cycle.figures["cooling_heat"].ci95) < 0.2 * cycle.figures["cooling_heat"].value
+    assert not any("another state" in hint for hint in result.hints())
+
+
+@pytest.mark.parametrize(("line", "mass"), [("Size\t7.250\tmg", 7.25), ("Sample size: 0,0091 g", 9.1), ("Size 12", None)])
+def test_a_size_in_a_unit_of_mass_is_the_mass(tmp_path, line, mass):
+    path = trios(tmp_path / "a.txt", branches(), header=f"{line}\n")
+    path.write_text(path.read_text(encoding="utf-8").replace("Sample Mass\t8.1 mg\n", ""), encoding="utf-8")
+    (guess, *_) = understand([path], StudyOptions()).guesses
+    assert heat_flow_header(guess.table).mass_mg == (mass and pytest.approx(mass))

@@ -56,8 +56,9 @@ def starting_state(
 
     ``initial`` is the recorded state. ``first_input``: the first input of the record, if that is not ``u[0]``. A record
     that starts within a tenth of the range from an end is assumed to start in saturation there, unless its ``outputs``
-    (n,) contradict that; ``noise``: the range of that of a measured input, within which a start is at an end. One half way is assumed to come from the saturation behind it. Where the state is not that of
-    a saturation, the memory is known from the first reversal (``turns``) on.
+    (n,) contradict that; ``noise``: the range of that of a measured input, within which a start is at an end. One half
+    way is assumed to come from the saturation behind it. Where the state is not that of a saturation, the memory is
+    known from the first reversal (``turns``) on.
 
     >>> starting_state(None, np.array([0.0, 9.0, 1.0]), (0.0, 10.0)).state
     'negative'

@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Array, DataError, UsageError, in_unit
-from smarig.measurement import SATURATION_TOLERANCE, StartingState, may_assume_start, noise_at_start, starting_state
+from smarig.measurement import (
+    SATURATION_TOLERANCE,
+    StartingState,
+    may_assume_start,
+    noise_at_start,
+    starting_state,
+)
 from smarig.preisach import Everett
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay.extended_model import Operator

@@ -22,6 +22,9 @@ _MASS = re.compile(
     r"\W*(?:([mµu]?g)\b\W*)?(\d+(?:[.,]\d+)?)\s*(?:([mµu]?g)\b)?",
     re.IGNORECASE,
 )
+_SIZE = re.compile(  # a size is a mass by its unit only
+    r"^\W*(?:sample )?size\b\W*(?:([mµu]?g)\b\W*)?(\d+(?:[.,]\d+)?)\s*(?:([mµu]?g)\b)?", re.IGNORECASE
+)
 _OTHER = {"up": "down", "down": "up"}
 
 
@@ -39,7 +42,8 @@ def heat_flow_header(table: FoundTable) -> HeatFlowHeader:
     The number ``#EXO`` of NETZSCH is not used: sources differ on the meaning of its sign.
     """
     lines = [*table.names, *(f"{k}: {v}" for k, v in table.header.items()), *preamble_lines(table.path)]
-    masses = [_milligrams(match) for line in lines if (match := _MASS.search(line))]
+    found = [match for line in lines if (match := _MASS.search(line) or _SIZE.search(line))]
+    masses = [_milligrams(match) for match in found if match.re is _MASS or match[1] or match[3]]
     return HeatFlowHeader(exothermic_direction(lines), next((m for m in masses if m > 0), None))
 
 

@@ -31,6 +31,7 @@ _HEATS = {"W/g": "J/g", "mW/mg": "J/g", "mW": "mJ"}  # the unit of heat flow tim
 _SLOW = 0.5  # of the rate at which half of the range is passed: slower readings belong to a hold
 _MOST_READINGS = 4000  # of a branch: blocks of consecutive readings are averaged
 _S_PER_MIN = 60.0
+_BLOCKS, _FEWEST_BLOCKS = 100, 20  # of a branch, in which the beginning after a turn is looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +158,9 @@ def _scan(record: TemperatureRecord, a: int, b: int) -> HeatFlowScan | None:
     moving = _moving(u, t)
     u, y = u[moving], y[moving]
     t = t[moving] if t is not None else None
+    settled = _settled(y)
+    u, y = u[settled], y[settled]
+    t = t[settled] if t is not None else None
     if u.size < 3:
         return None
     rate = float(abs(u[-1] - u[0]) / (t[-1] - t[0])) if t is not None and t[-1] > t[0] else None
@@ -184,6 +188,24 @@ def _moving(u: Array, t: Array | None) -> slice:
     first += width if first > 0 else 0  # the differences reach into the hold
     last -= width if last < u.size - 1 else 0
     return slice(first, max(last + 1, first))
+
+
+def _settled(y: Array) -> slice:
+    """The rows of heat flows (n,) in order of time after the instrument has followed the turn of the temperature.
+
+    Heat flow is proportional to the rate, so it changes its sign at a turn, and a sensor follows that with a lag. Blocks
+    of readings go one way, ever more slowly, until their noise hides it; a quarter more of them is left out, too.
+    """
+    size = max(1, y.size // _BLOCKS)
+    means = y[: y.size // size * size].reshape(-1, size).mean(axis=1)
+    steps = np.diff(means)
+    noise = input_noise_sd(y) * float(np.sqrt(2 / size))
+    if steps.size < _FEWEST_BLOCKS or not abs(steps[0]) > LEAST_RISE * noise:
+        return slice(0, y.size)
+    along = steps * np.sign(steps[0])
+    ends = int(np.argmax(along <= 2 * noise)) if (along <= 2 * noise).any() else 0
+    decays = ends > 0 and bool(np.argmax(along[:ends]) <= 1)  # a flank gets steeper first
+    return slice(size * (ends + 1 + ends // 4) if decays else 0, y.size)
 
 
 def _averaged(u: Array, y: Array) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from smarig.measurement import dropouts, first_branch_differs, noise_range, widt
 from smarig.preisach import turning_points
 from smarig.record import ImportFinding, remarks
 
+_RATES = ("heat flow", "power")
 _REVERSAL = 0.2  # of the input's range: smallest branch
 _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range
@@ -61,13 +62,16 @@ def _dropout_finding(loop: LoopRecord, lost: NDArray[np.bool_]) -> ImportFinding
 
 
 def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[ImportFinding]:
-    """All findings on an input–output record; none for records that are too short or too flat.
+    """All findings on an input–output record; none for records that are too short or too flat, and for rates such as a
+    heat flow, whose curve is no loop of a state.
 
     ``designed``: every point was commanded. Then large steps, small reversals and repeated visits with another
     memory belong to the experiment, and only the direction of the loop is checked.
     """
     known = loop.finite()
     if known.u.size < 10 or np.ptp(known.u) == 0 or np.ptp(known.y) == 0:
+        return []
+    if dimension(known.output_unit) in _RATES:
         return []
     turns = branch_ends(known.u, _REVERSAL * float(np.ptp(known.u)))
     if designed:
