@@ -19,6 +19,7 @@ MARKS = (
     "1.#IND00",
     "-1.#J",
     "1.#INF",
+    "-∞",
 )
 U = np.round(60 - 35 * np.cos(np.linspace(0, 4 * np.pi, 40)), 3)
 

@@ -232,7 +232,9 @@ def test_the_lag_of_the_instrument_after_a_turn_is_no_baseline_and_no_other_stat
     assert not any("another state" in hint for hint in result.hints())
 
 
-@pytest.mark.parametrize(("line", "mass"), [("Size\t7.250\tmg", 7.25), ("Sample size: 0,0091 g", 9.1), ("Size 12", None)])
+@pytest.mark.parametrize(
+    ("line", "mass"), [("Size\t7.250\tmg", 7.25), ("Sample size: 0,0091 g", 9.1), ("Size 12", None)]
+)
 def test_a_size_in_a_unit_of_mass_is_the_mass(tmp_path, line, mass):
     path = trios(tmp_path / "a.txt", branches(), header=f"{line}\n")
     path.write_text(path.read_text(encoding="utf-8").replace("Sample Mass\t8.1 mg\n", ""), encoding="utf-8")

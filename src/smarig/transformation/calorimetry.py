@@ -193,8 +193,8 @@ def _moving(u: Array, t: Array | None) -> slice:
 def _settled(y: Array) -> slice:
     """The rows of heat flows (n,) in order of time after the instrument has followed the turn of the temperature.
 
-    Heat flow is proportional to the rate, so it changes its sign at a turn, and a sensor follows that with a lag. Blocks
-    of readings go one way, ever more slowly, until their noise hides it; a quarter more of them is left out, too.
+    Heat flow is proportional to the rate, so it changes its sign at a turn, and a sensor follows that with a lag.
+    Blocks of readings go one way, ever more slowly, until their noise hides it; a quarter more of them is left out.
     """
     size = max(1, y.size // _BLOCKS)
     means = y[: y.size // size * size].reshape(-1, size).mean(axis=1)

@@ -39,9 +39,10 @@ MISSING = {
 _NOT_A_NUMBER = re.compile(
     r"[+-]?(nan(\([a-z0-9]*\))?|1[.,]#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
 )  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, 1,#QNAN, -1.#IND00, and -1.#J with two decimals
-# Graphtec: BURNOUT and +++++++, Keyence: -FFFFFFF, multimeters: OL, OVER and --OL--, C libraries: inf and 1.#INF00
+# PicoScope: ∞, Graphtec: BURNOUT and +++++++, Keyence: -FFFFFFF, multimeters: OL, OVER and --OL--, C libraries: inf
+# and 1.#INF00
 _MARK = re.compile(
-    r"[+*-]*\s?(burn ?out|over|o\.?l|f{4,}|inf(inity)?|1[.,]#inf0*)\s?[+*-]*|\+{2,}|-{4,}|\*{2,}",
+    r"[+*-]*\s?(burn ?out|over|o\.?l|f{4,}|∞|inf(inity)?|1[.,]#inf0*)\s?[+*-]*|\+{2,}|-{4,}|\*{2,}",
     re.IGNORECASE,
 )
 _NUMBERS = (9.9e37, 9.91e37, 7.77777e99)  # SCPI: infinity and no number; HIOKI: overflow
@@ -50,7 +51,7 @@ _NUMBERS = (9.9e37, 9.91e37, 7.77777e99)  # SCPI: infinity and no number; HIOKI:
 def is_mark(cell: str) -> bool:
     """Whether a cell is a word or a filled field that stands for no reading.
 
-    >>> is_mark("BURNOUT"), is_mark("+++++++"), is_mark("--OL--"), is_mark("+Inf"), is_mark("+5.0"), is_mark("stroke")
+    >>> is_mark("BURNOUT"), is_mark("+++++++"), is_mark("--OL--"), is_mark("-∞"), is_mark("+5.0"), is_mark("stroke")
     (True, True, True, True, False, False)
     """
     return _MARK.fullmatch(cell) is not None
