@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.study import StudyOptions, study
-from smarig.study.function_of_input import _curve
+from smarig.study.function_of_input import curve_through
 from study.known_data import temperatures
 
 FUNCTIONS = {
@@ -90,5 +90,39 @@ def test_the_field_cases_have_no_cause(shared_data, file, tmp_path):
 def test_the_curve_reaches_the_ends_of_a_steep_function(count):
     """The mean of the outermost interval is not the value at its end, where a hold has most of the readings."""
     u = np.concatenate([np.full(60, 22.0), np.linspace(22, 88, 400)])
-    curve = _curve(u, -3 * u, count)
+    curve = curve_through(u, -3 * u, count)
     np.testing.assert_allclose(np.interp(u, *curve), -3 * u, atol=1e-9)
+
+
+def heated_at_two_rates(rates=(0.5, 2.0, 4.0)):
+    """Times (s) and temperatures of a triangle at each rate (K/s) with a hold at both ends."""
+    u = [np.full(40, 20.0)]
+    for rate in rates:
+        steps = int(90 / rate)
+        u += [np.linspace(20, 110, steps), np.full(60, 110.0), np.linspace(110, 20, steps), np.full(60, 20.0)]
+    return np.concatenate(u)
+
+
+def late(u, lag):
+    v = [u[0]]
+    for a in u[1:]:
+        v.append(v[-1] + (a - v[-1]) * (1 - np.exp(-1 / lag)))
+    return np.array(v)
+
+
+@pytest.mark.parametrize("lag", [6.0, 15.0])
+def test_a_function_of_a_late_input_shows_no_hysteresis_but_the_lag(tmp_path, lag):
+    u = heated_at_two_rates()
+    v = late(u, 2 * lag)  # half a second between the rows
+    result = studied(tmp_path, u, 0.02 * v + 5e-5 * v**2, 0.002)
+    assert "these data show no hysteresis" in result.sentences()[0]
+    low, high = result.function.lag_ci95
+    assert low < lag < high
+    assert high - low < 0.2 * lag + 1
+
+
+def test_a_loop_that_is_late_keeps_its_hysteresis(tmp_path):
+    u = heated_at_two_rates()
+    v = late(u, 12)
+    result = studied(tmp_path, u, 4 * np.tanh((play(v, 8.0) - 60) / 15), 0.01, diagnose=False)
+    assert result.function is None

@@ -69,7 +69,10 @@ def test_a_zero_is_told_beside_larger_errors_of_either_sign(tmp_path, zero, more
     files = []
     for k in range(2):
         u = np.concatenate([temperatures(2, 80)[:-1] * scale for scale in (1.0, 0.8, 0.9)])
-        late = np.r_[np.full(4, u[0]), u[:-4]] + np.where(np.gradient(u) > 0, 2.0, -2.0) * np.arange(u.size) / u.size
+        late = (
+            np.r_[np.full(4, u[0]), u[:-4]]
+            + np.where(np.gradient(u) > 0, 2.0, -2.0) * np.arange(u.size) / u.size
+        )
         path = tmp_path / f"{k}.csv"
         path.write_text(csv_text(np.arange(u.size) * 2.0, u, k * zero + displacements(late, seed=k)))
         files.append(path)

@@ -41,7 +41,7 @@ class FunctionOfInput:
     """The curve, as nodes u and y (k,) joined by lines, with its rms error on data that it was not fitted to.
 
     ``noise`` is that of a reading; ``model_rms`` the error of the best model on held-out data, or of its fit if nothing
-    is held out.
+    is held out. ``lag_s`` is the time by which the input acts late, 0 if it does not; then u are inputs as they act.
     """
 
     u: Array
@@ -49,11 +49,14 @@ class FunctionOfInput:
     rms: float
     noise: float
     model_rms: float
+    lag_s: float = 0.0
+    lag_ci95: tuple[float, float] = (0.0, 0.0)
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
         errors = {"rms": self.rms, "noise": self.noise, "model_rms": self.model_rms}
-        return {"input": self.u.tolist(), "output": self.y.tolist(), **errors}
+        lag = {"lag_s": {"value": self.lag_s, "ci95": list(self.lag_ci95)}} if self.lag_s else {}
+        return {"input": self.u.tolist(), "output": self.y.tolist(), **errors, **lag}
 
 
 def function_of_input(best: CandidateModel, split: DataSplit) -> FunctionOfInput | None:
@@ -64,18 +67,18 @@ def function_of_input(best: CandidateModel, split: DataSplit) -> FunctionOfInput
     u, y, way = (np.concatenate([getattr(p, k)[p.counted] for p in train]) for k in ("u", "y", "direction"))
     if min((way > 0).sum(), (way < 0).sum()) < _FOLDS * _FEWEST_NODES or not np.ptp(u):
         return None
-    noise, span = _noise(best, train), float(np.ptp(y))
+    noise, span = noise_of(best, train), float(np.ptp(y))
     folds = np.random.default_rng(_SEED).permutation(u.size) % _FOLDS
     count = _best_count(u, y, folds)
     if _by_direction(u, _by_fold(u, y, folds, count, _plain), way > 0):
         return None
     finest = {k: _by_fold(u, y, folds, k, _errors) for k in (count, u.size)}  # a jump needs every reading
     count, errors = min(finest.items(), key=lambda pair: float(np.mean(pair[1] ** 2)))
-    curve = _curve(u, y, count)
+    curve = curve_through(u, y, count)
     if split.kind != "none":
         pairs = [_held_out_errors(run, points, curve) for run, points in zip(best.held_out, held_out)]
         of_model, errors = (np.concatenate(part) for part in zip(*pairs))
-        if _stands_out(errors**2 - of_model**2):
+        if stands_out(errors**2 - of_model**2):
             return None
     rms = root_mean_square(errors)
     good = error_verdict(rms, noise, rms / span if span else np.nan).level is ErrorLevel.GOOD
@@ -97,11 +100,11 @@ def _by_fold(
     out = np.empty_like(y)
     for fold in range(_FOLDS):
         kept = folds != fold
-        out[~kept] = errors(u[~kept], y[~kept], _curve(u[kept], y[kept], count))
+        out[~kept] = errors(u[~kept], y[~kept], curve_through(u[kept], y[kept], count))
     return out
 
 
-def _curve(u: Array, y: Array, count: int) -> Curve:
+def curve_through(u: Array, y: Array, count: int) -> Curve:
     """The means in ``count`` intervals, and the ends of the lines through the outermost of them: a mean lies inside its
     interval, where a steep curve is far from its end.
     """
@@ -153,13 +156,13 @@ def _by_direction(u: Array, errors: Array, rising: NDArray[np.bool_]) -> bool:
     return sum(squares) > freedom + _STANDARD_ERRORS * np.sqrt(2 * freedom)
 
 
-def _stands_out(x: Array) -> bool:
+def stands_out(x: Array) -> bool:
     """Whether the mean of x (n,) is above 0 by more than chance, over blocks of readings."""
     blocks = np.array([part.mean() for part in np.array_split(x, _BLOCKS) if part.size])
     return bool(blocks.mean() > _STANDARD_ERRORS * blocks.std(ddof=1) / np.sqrt(blocks.size))
 
 
-def _noise(best: CandidateModel, train: Sequence[RunPoints]) -> float:
+def noise_of(best: CandidateModel, train: Sequence[RunPoints]) -> float:
     """The noise of a reading: from repeated readings, else from neighbouring ones."""
     known = noise_of_repeats(best.held_out)
     return known[0] if known is not None else float(np.median([input_noise_sd(p.y) for p in train]))

@@ -26,6 +26,7 @@ from smarig.study.function_of_input import function_of_input
 from smarig.study.heat_flow_study import calorimetry_of
 from smarig.study.imported_runs import ImportedTable, file_title, import_tables
 from smarig.study.input_correction import named_correction
+from smarig.study.lagging_function import lagging_function
 from smarig.study.mapping_draft import mapping_draft
 from smarig.study.plane_model import refuse_plane_tables
 from smarig.study.questions import StudyCommand, assumed_unit, other_columns
@@ -83,7 +84,7 @@ def study(
             evaluation = evaluate(split, progress)
         except DataError as error:
             raise DataError(f"{error}{other_columns(understood.guesses[0], command)}") from None
-        function = function_of_input(evaluation.best, split)
+        function = function_of_input(evaluation.best, split) or lagging_function(evaluation.best, split)
         diagnosis, why_not = (
             (None, "the output is a function of the input.")
             if function is not None

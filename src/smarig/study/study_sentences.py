@@ -129,8 +129,15 @@ def function_sentences(found: FunctionOfInput, unit: str, *, fitted: bool) -> li
     )
     what = "readings left out of its fit" if fitted else "the held-out data"
     model = "fits the data" if fitted else "predicts them"
+    first = "The output is a function of the input; these data show no hysteresis."
+    if found.lag_s:
+        low, high = found.lag_ci95
+        first = (
+            f"The output is a function of the input, which acts {number(found.lag_s)} s late ({number(low)} to "
+            f"{number(high)} s); these data show no hysteresis: the loop is that of the lag, and grows with the rate."
+        )
     return [
-        "The output is a function of the input; these data show no hysteresis.",
+        first,
         f"A curve predicts {what} to within {error}.",
         f"The Preisach model {model} to within {measure(found.model_rms, unit)} rms: use the curve.",
     ]

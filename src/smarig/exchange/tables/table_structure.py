@@ -157,7 +157,10 @@ def _starts_again(rows: Sequence[Sequence[str]], kinds: Sequence[str], end: int,
     """Whether rows ``end`` … ``k`` hold more than the names of the columns once more, as what a board writes when it
     starts.
     """
-    return len({tuple(rows[i]) for i in range(end, k) if kinds[i] == "text" and not rows[i][0].startswith("#")}) > 1
+    return (
+        len({tuple(rows[i]) for i in range(end, k) if kinds[i] == "text" and not rows[i][0].startswith("#")})
+        > 1
+    )
 
 
 def _goes_on(
