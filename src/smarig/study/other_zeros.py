@@ -35,7 +35,7 @@ def other_zeros(outcomes: "Sequence[FileOutcome]") -> dict[str, str]:
     for outcome in outcomes:
         if outcome.found is None or not outcome.found["model"] or len(outcome.found["runs"]) != 1:
             continue
-        reference = first.setdefault(_columns(outcome.found), outcome)
+        reference = first.setdefault(columns_of(outcome.found), outcome)
         if reference is not outcome and (text := _sentence(reference, outcome)):
             found[outcome.file] = text
     return found
@@ -81,7 +81,7 @@ def _shown(shift: float, unit: str) -> str:
     return f"{number(abs(shift))}{spaced(display_unit(unit))} {'more' if shift > 0 else 'less'}"
 
 
-def _columns(found: dict[str, Any]) -> tuple[Any, ...]:
+def columns_of(found: dict[str, Any]) -> tuple[Any, ...]:
     """The names and units of input and output; those of a mapping that was given are equal."""
     used = [
         (c["role"], name, c["unit"])

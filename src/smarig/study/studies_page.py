@@ -47,7 +47,7 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     items = [(word.capitalize(), *_counted("model", verdicts[word])) for word in ("good", "fair", "poor")]
     items += [("Without an output", *_counted("file", verdicts[None]))] if verdicts[None] else []
     items += [("Failed", *_counted("file", len(failed)))]
-    sections = [Section("", "Result", [cards(items), *_look_first(done), *_other_zeros(done)])]
+    sections = [Section("", "Result", [cards(items), *_look_first(done), *_compared(done)])]
     if done:
         words = "Output against input as recorded, vermilion rising and blue falling; each loop has axes of its own."
         sections.append(Section("The loop of every file", "Loops", [_gallery(done), paragraph(words)]))
@@ -66,9 +66,11 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     return page(f"Studies of {name}", lead, sections)
 
 
-def _other_zeros(done: "Sequence[FileOutcome]") -> list[Html]:
-    """Which files hold the loop of another one with another zero of the output."""
-    texts = [o.other_zero for o in done if o.other_zero]
+def _compared(done: "Sequence[FileOutcome]") -> list[Html]:
+    """Which files hold the loop of another one with another zero of the output, and whose temperatures go with the
+    rate.
+    """
+    texts = [text for o in done for text in (o.other_zero, o.over_rates) if text]
     return [bullets(texts)] if texts else []
 
 

@@ -57,7 +57,10 @@ def loop_figure(result: StudyResult) -> Figure | None:
         traces = [t for t in traces if t["name"] == "measured"] + [curve]
         title, caption = (
             "Measured output and a curve without hysteresis.",
-            [f"A function of the input {'as it acts late' if result.function.lag_s else 'alone'}.", *caption[1:2]],
+            [
+                f"A function of the input {'as it acts late' if result.function.lag_s else 'alone'}.",
+                *caption[1:2],
+            ],
         )
     panel = Panel([*family, *traces], _layout(result), 350)
     return Figure([panel], title, caption, "")

@@ -50,6 +50,7 @@ from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.noise_of_input import noise_by_input
 from smarig.study.other_zeros import zeros_of_held_out
+from smarig.study.runs_by_condition import differing
 from smarig.study.study_json import study_json
 from smarig.study.study_sentences import (
     LEVEL_WORDS,
@@ -66,6 +67,7 @@ from smarig.study.study_sentences import (
     unpredicted_sentence,
     where_sentence,
 )
+from smarig.study.temperatures_over_rates import rate_sentence, readings_of
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
 from smarig.study.undetermined_states import UndeterminedStates, inside, new_turns, turns_of
@@ -327,10 +329,18 @@ class StudyResult:
         found = [*column_hints(self.understood, of_mapping=self.mapping is not None), *mended(self.tables)]
         if self.evaluation is not None and self.split is not None:
             found += zeros_of_held_out(self.split, self.evaluation.best)
+        runs = [table.run for table in self.tables]
+        rates = "" if differing(runs) else rate_sentence(readings_of(self._temperatures(), runs))
+        found += [rates] if rates else []
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(NO_TIME)
         return [self.assumed, *found] if self.assumed else found
+
+    def _temperatures(self) -> dict[str, Any]:
+        """The temperatures of loops and of curves of heat flow, as JSON."""
+        own = {"calorimetry": self.calorimetry, "transformation": self.transformation}
+        return {name: found and found.to_json() for name, found in own.items()}
 
     @property
     def _is_fitted(self) -> bool:

@@ -144,7 +144,7 @@ def _each(
     failed = f", {len(found['failed'])} failed" if found["failed"] else ""
     failed += f"; {len(found['left_out'])} left out, not data" if found["left_out"] else ""
     last = f"{found['studied']} of {tried} files studied{failed}. Page: {out / 'index.html'}"
-    emit(found, "\n".join([*found["other_zeros"].values(), last]))
+    emit(found, "\n".join([*found["other_zeros"].values(), *found["over_rates"].values(), last]))
 
 
 def _columns_text(result: "StudyResult") -> str:
