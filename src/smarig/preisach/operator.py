@@ -71,6 +71,7 @@ class Preisach:
         self.hysteresis = hysteresis
         self._keyed = keyed(hysteresis)
         self._params, self._between = self._keyed.params, self._keyed.between
+        self._place_inside = self._keyed.place
         self._run = python_loop(self._between)
         self._compiled, self._samples = compiled, samples
         self._lower, self._upper = hysteresis.lower, hysteresis.upper
@@ -179,20 +180,22 @@ class Preisach:
                 raise DataError(NAN_INPUT)
             u = self._lower if u <= self._lower else self._upper
             return self.y if u == self.u else self._saturate(u)
-        a, b = self._keyed.place(self._params, u)
-        self._stack.top, self.y = self._move_result(u, a, b)
+        a, b = self._place_inside(self._params, u)
+        s, now = self._stack, self.u
+        U, top = s.U, s.top
+        # along the present branch, which most steps do not leave, as in the loop
+        if U[top] <= now < u < U[top - 1]:
+            self.y = s.Y[top] + self._between(self._params, a, s.K[top])
+        elif U[top] >= now > u > U[top - 1]:
+            self.y = s.Y[top] - self._between(self._params, s.K[top], b)
+        else:
+            s.top, self.y = self._move_result(u, a, b)
         self.u, self._a, self._b = u, a, b
         return self.y
 
     def _move_result(self, u: float, a: Any, b: Any) -> tuple[int, float]:
         """The stack's new top and the output after a move to u with keys a and b, inside the range."""
         s, now = self._stack, self.u
-        U, top = s.U, s.top
-        # along the present branch, which most steps do not leave, as in the loop
-        if U[top] <= now < u < U[top - 1]:
-            return top, s.Y[top] + self._between(self._params, a, s.K[top])
-        if U[top] >= now > u > U[top - 1]:
-            return top, s.Y[top] - self._between(self._params, s.K[top], b)
         y, released = [self.y, self.y], None
         if s.top + 2 > len(s.U):
             s.reserve(64)

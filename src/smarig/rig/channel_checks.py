@@ -159,19 +159,21 @@ class ChannelChecks:
         counts = self._bounds.counts_per_K * kelvin
         self._position.widen(self._drift_per_K * kelvin)
         found: list[Alarm] = []
+        positions = self._bounds.positions
+        beat = positions is not None
         if self._position_known:
-            beat = self._bounds.positions is not None
             if beat:
                 self._direction.add(self._bounds.temperature, s.counts)
             self._motion.add(s.counts, self._bounds.like_positions if beat else None, ticks)
             self.transformation.add_counts(s.counts, s.tick)
-            found += self._of("position", s.counts, self._bounds.positions, counts, s.tick, ticks, input_K)
-        found += self._check_transformation(s, input_K)
+            found += self._of("position", s.counts, positions, counts, s.tick, ticks, input_K)
+        if beat:
+            found += self._check_transformation(s, input_K)
         self._steady = self._steady + ticks if s.current_command_A == self._command_A else 0
         self._command_A = s.current_command_A
         self._electrical_ticks += ticks
         self._electrical_share += counts / self._stroke
-        if self._wire_known and self._bounds.positions is not None:
+        if self._wire_known and beat:
             found += self._check_electrical(s, input_K)
         first, second = self._voltages
         if self._current.suspect or first.suspect or second.suspect:
@@ -208,7 +210,7 @@ class ChannelChecks:
         """At a beat, at currents that change slowly enough for a voltage and a current read one after the other."""
         slowly = abs(s.current_command_A - self._command_A) <= SLOW_SHARE * abs(s.current_command_A)
         known = slowly and s.current_A >= self._min_A and not s.quality & _SATURATED
-        if not known or not s.voltage_V > 0 or self._bounds.positions is None:  # nor NaN
+        if not known or not s.voltage_V > 0:  # nor NaN
             return []
         unmoved = self.transformation.unmoved
         self.transformation.add(math.log(s.voltage_V / s.current_A), input_K)

@@ -68,27 +68,28 @@ class ElectricalPlausibility:
 
     def _fault(self, s: Sample, input_K: float) -> "_Fault | None":
         """The first contradiction. A wrong current makes the resistance meaningless."""
-        command_A = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
+        current_A, voltage_V, largest_A = s.current_A, s.voltage_V, self._saturation_A
+        command_A = min(max(s.current_command_A, -largest_A), largest_A)
         saturated = bool(s.quality & _SATURATED)
-        if self._differs(s.current_A, command_A, saturated=saturated):
-            text = f"{s.current_A:.3g} A is measured, {command_A:.3g} A is set. Check amplifier and shunt."
+        if self._differs(current_A, command_A, saturated=saturated):
+            text = f"{current_A:.3g} A is measured, {command_A:.3g} A is set. Check amplifier and shunt."
             return _Fault("read_back", text)
         # a broken wire has the voltage of the supply, and heats nothing
-        is_open = saturated and abs(s.current_A) < MIN_CURRENT_A
-        if abs(s.voltage_V) > self._largest_V and not is_open:
+        is_small = abs(current_A) < MIN_CURRENT_A
+        if abs(voltage_V) > self._largest_V and not (saturated and is_small):
             text = (
-                f"The voltage {s.voltage_V:.3g} V exceeds {self._largest_V:.3g} V, which no allowed current needs. "
+                f"The voltage {voltage_V:.3g} V exceeds {self._largest_V:.3g} V, which no allowed current needs. "
                 "Check shunt, amplifier and clamps."
             )
-            return _Fault("voltage", text, _weight(abs(s.voltage_V) / self._largest_V))
-        if abs(s.current_A) < MIN_CURRENT_A:
+            return _Fault("voltage", text, _weight(abs(voltage_V) / self._largest_V))
+        if is_small:
             return None
-        if math.isnan(s.voltage_V):  # a source may have none; one that it had must not vanish
+        if math.isnan(voltage_V):  # a source may have none; one that it had must not vanish
             return _Fault("voltage", _NO_VOLTAGE) if self._has_voltage else None
         self._has_voltage = True
-        ohm = s.voltage_V / s.current_A
+        ohm = voltage_V / current_A
         expected = self._resistance
-        low, high = expected.band_ohm(input_K, s.current_A) if self._phase_known else expected.any_phase_ohm
+        low, high = expected.band_ohm(input_K, current_A) if self._phase_known else expected.any_phase_ohm
         if low <= ohm <= high:
             return None
         where = f", its limits at a predicted input of {input_K:.0f} K" if self._phase_known else ""

@@ -94,7 +94,7 @@ class Guard:
             self._last_tick = sample.tick
             input_K = heat.step(heating_A)
             ambient_degC = self._ambient_degC(sample)
-            answer.append((self._marked(sample, ambient_degC, heating_A), input_K))
+            answer.append((self._marked(sample, ambient_degC, heating_A, input_K), input_K))
             if self._stress is not None:
                 self._stress.update(heat.wire_K)
             hottest_K = max(heat.wire_K)
@@ -136,19 +136,19 @@ class Guard:
         """The ambient temperature on which limits rest: as it is measured, if a room can have it."""
         if self._room is None:
             return sample.ambient_degC
-        self._alarms += self._room.add(sample.ambient_degC, sample.tick)
-        implausible = self._room.suspect or math.isnan(sample.ambient_degC)
-        return self._room.degC if implausible else sample.ambient_degC
+        room, reading_degC = self._room, sample.ambient_degC
+        self._alarms += room.add(reading_degC, sample.tick)
+        return room.degC if room.suspect or math.isnan(reading_degC) else reading_degC
 
-    def _marked(self, sample: Sample, ambient_degC: float, heating_A: float) -> Sample:
+    def _marked(self, sample: Sample, ambient_degC: float, heating_A: float, input_K: float) -> Sample:
         """The sample, marked if it is implausible; trips on errors."""
-        is_number = math.isfinite(self.input_K)
+        is_number = math.isfinite(input_K)
         other_room = self._room is not None and self._room.suspect
         suspect = other_room or not is_number
         if self._plausibility is None or not is_number:  # of a current that is none, no model can tell more
             return sample._replace(quality=sample.quality | _SUSPECT) if suspect else sample
         checked = sample._replace(ambient_degC=ambient_degC) if other_room else sample
-        for alarm in self._plausibility.check(checked, self.heating.input_K, heating_A):
+        for alarm in self._plausibility.check(checked, input_K, heating_A):
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
                 self._trip(alarm.text)

@@ -46,8 +46,11 @@ class ResistanceMotion:
 
     def add_counts(self, counts: int, tick: int) -> None:
         """The position of a tick."""
-        first, self._counts = self._counts is None, _extended(self._counts, counts)
-        if first or _span(self._counts) > self._still:
+        extent = self._counts
+        if extent is not None and extent[0] <= counts <= extent[1]:
+            return  # nearly always: this is asked in every tick
+        self._counts = _extended(extent, counts)
+        if extent is None or _span(self._counts) > self._still:
             self._counts, self.from_tick = (counts, counts), tick
             self._since = self._inputs = None
             self._readings.clear()

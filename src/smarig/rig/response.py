@@ -41,7 +41,8 @@ class Response:
         A wire that has not need not move, whatever its model does.
         """
         low, high = self._counts or (counts, counts)
-        self._counts = low, high = min(low, counts), max(high, counts)
+        if counts < low or counts > high or self._counts is None:
+            self._counts = low, high = min(low, counts), max(high, counts)
         self._ticks += ticks
         if self._ticks < self._beat:
             return []

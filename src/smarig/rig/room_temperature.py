@@ -56,4 +56,4 @@ class RoomTemperature:
         self._tick = tick
         self.suspect = abs(change_K) > LAG_K + most_K
         if not self.suspect or change_K < 0:
-            self.degC += max(-most_K, min(most_K, change_K))
+            self.degC += change_K if -most_K <= change_K <= most_K else math.copysign(most_K, change_K)
