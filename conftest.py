@@ -14,6 +14,7 @@ from extras import lacks
 from smarig.core import MissingExtra
 
 SKIPPED = "smarig/skipped"  # in pytest's cache, beside the failures of --last-failed
+BY_CHOICE = "SMARIG_LONG=1"  # in the reason of a test that takes long: it is skipped whatever is installed
 
 
 def pytest_addoption(parser):
@@ -73,7 +74,7 @@ class Skipped:
             items[:] = [i for i in items if {i.nodeid, i.nodeid.partition("::")[0]} & self.wanted]
 
     def pytest_runtest_logreport(self, report):
-        if report.skipped and not hasattr(report, "wasxfail"):
+        if report.skipped and not hasattr(report, "wasxfail") and BY_CHOICE not in str(report.longrepr):
             self.names.add(report.nodeid)
 
     def pytest_collectreport(self, report):
