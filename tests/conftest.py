@@ -13,6 +13,7 @@ from hypothesis import settings
 
 import pinned_kernels  # noqa: F401  before anything that imports numpy
 from computed_once import VARIABLE as COMPUTED
+from first_collection import compiled_by_the_first
 from returned_memory import ReturnedMemory
 
 CACHE = type(lru_cache(len))
@@ -102,10 +103,11 @@ MEMORY = ReturnedMemory()
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_collection():
+def pytest_collection(session):
     MEMORY.before_collection()
     try:
-        return (yield)
+        with compiled_by_the_first(session.config):
+            return (yield)
     finally:
         MEMORY.after_collection()
 
