@@ -1,5 +1,7 @@
 """Temperatures of loops that an inner loop interrupts, or that are cut in two: those of the uninterrupted loop."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -27,12 +29,15 @@ def figures(path):
     return run_figures(run_of(*wire(path)))
 
 
-WHOLE = figures([20, 100, 20])
+@cache
+def whole():
+    """The figures of a loop that nothing interrupts."""
+    return figures([20, 100, 20])
 
 
 def assert_same_temperatures(found):
     for name in NAMES:
-        assert found.means[name].value == pytest.approx(WHOLE.means[name].value, abs=0.4), name
+        assert found.means[name].value == pytest.approx(whole().means[name].value, abs=0.4), name
 
 
 @pytest.mark.parametrize(
