@@ -8,6 +8,7 @@ from smarig.record import load_run
 from smarig.study import study
 from smarig.study.study_options import StudyOptions
 
+pytestmark = pytest.mark.usefixtures("few_readings")
 SIGMA = 0.03
 
 
