@@ -119,8 +119,10 @@ def test_a_chamber_whose_thermometer_failed_for_some_rows(shared_data, tmp_path)
     assert not found.effects()
 
 
-@pytest.mark.long("takes three seconds", cases=("hchb_forc",))
-@pytest.mark.parametrize("name", ["MSM33-55-1_d330.forc", pytest.param("UB199BF", marks=long), "hchb_forc"])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param("MSM33-55-1_d330.forc", marks=long), pytest.param("UB199BF", marks=long), "hchb_forc"],
+)
 def test_magnetic_reversal_curves_are_silent(shared_data, tmp_path, name):
     source, target = shared_data / "forc_magnetic" / name, tmp_path / "m.run.sqlite"
     if not source.is_file():

@@ -91,8 +91,8 @@ def test_a_twin_is_exact_only_without_effects(tmp_path):
     def figures(name, **twin):
         settings = TwinSettings(seed=1, **twin)
         with smarig.Session("one_wire_twin", twin=settings) as session:
-            out = tmp_path / f"{name}.run.sqlite"
-            return run_figures(smarig.load_run(session.run("constant_force_cycles", {"cycles": 1}, out)))
+            out, asked = tmp_path / f"{name}.run.sqlite", {"cycles": 1, "points": 20}
+            return run_figures(smarig.load_run(session.run("constant_force_cycles", asked, out)))
 
     exact = figures("plain")
     bent = figures("bent", effects=effects_from_arguments(["convection=0.15"]))
