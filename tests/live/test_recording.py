@@ -7,16 +7,24 @@ import threading
 import numpy as np
 import pytest
 
+from extras import skip_without
 from smarig.cli import run as smarig
 from smarig.live.recording_file import RecordingFile
 
-reading = pytest.importorskip("rerun.chunk", reason="rerun is not installed")
+skip_without("rerun", extra="live")
+
+
+def reader(path):
+    """Rerun's reader of a file, which takes 50 MB that only the tests of this module need."""
+    from rerun.chunk import RrdReader
+
+    return RrdReader(path)
 
 
 def column(path, entity: str, component: str, timeline: str = "device_time"):
     """Times in seconds and values of a component, in the order of time."""
     times, values = [], []
-    for chunk in reading.RrdReader(path).stream().filter(content=entity).to_chunks():
+    for chunk in reader(path).stream().filter(content=entity).to_chunks():
         if chunk.is_static or timeline not in chunk.timeline_names:
             continue
         batch = chunk.to_record_batch()
@@ -57,7 +65,7 @@ def test_events_and_verdicts_are_in_it(one_wire, exported):
 
 
 def test_units_and_the_twins_label_are_in_it(exported):
-    chunks = reading.RrdReader(exported).stream().to_chunks()
+    chunks = reader(exported).stream().to_chunks()
     static = [c for c in chunks if c.is_static and c.entity_path != "/plane/plot/map"]
     text = "".join(str(c.to_record_batch().to_pydict()) for c in static)
     for word in ("position (mm)", "estimated temperature above ambient (K)", "TWIN", "measured"):
@@ -65,8 +73,8 @@ def test_units_and_the_twins_label_are_in_it(exported):
 
 
 def test_it_has_a_layout(exported):
-    assert reading.RrdReader(exported).blueprints()
-    assert reading.RrdReader(exported).recordings()[0].application_id == "smarig"
+    assert reader(exported).blueprints()
+    assert reader(exported).recordings()[0].application_id == "smarig"
 
 
 def test_ten_hours_are_less_than_a_hundred_megabytes(one_wire, exported):

@@ -3,9 +3,10 @@
 import pytest
 
 from benchmarks import diagnosis
+from extras import skip_without
 from smarig.core.errors import UsageError
 
-distributed = pytest.importorskip("distributed", reason="a Dask cluster needs the extra 'scale'")
+skip_without("distributed", extra="scale")
 
 BOXES = 2
 
@@ -13,6 +14,8 @@ BOXES = 2
 @pytest.fixture
 def scheduler():
     """Address of a scheduler with two workers, processes of their own."""
+    import distributed
+
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
     ) as cluster:
