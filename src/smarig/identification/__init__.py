@@ -42,6 +42,18 @@ if TYPE_CHECKING:
     from smarig.identification.identify import identify as identify
     from smarig.identification.interval_estimate import Estimate as Estimate
     from smarig.identification.interval_estimate import variance_inflation as variance_inflation
+    from smarig.identification.material.law import MaterialLaw as MaterialLaw
+    from smarig.identification.material.law import cooled_fraction as cooled_fraction
+    from smarig.identification.material.law import heated_fraction as heated_fraction
+    from smarig.identification.material.law import heating_finish as heating_finish
+    from smarig.identification.material.law import transformation_strain as transformation_strain
+    from smarig.identification.material.material_identification import (
+        MaterialIdentification as MaterialIdentification,
+    )
+    from smarig.identification.material.material_identification import RecordFit as RecordFit
+    from smarig.identification.material.material_identification import identify_material as identify_material
+    from smarig.identification.material.material_text import parameter_cells as parameter_cells
+    from smarig.identification.material.material_text import quantity_name as quantity_name
     from smarig.identification.measured.left_out_errors import held_out_errors as held_out_errors
     from smarig.identification.measured.load_dependence import OWN_ADVANTAGE as OWN_ADVANTAGE
     from smarig.identification.measured.load_dependence import PROPORTIONAL as PROPORTIONAL

@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from smarig.report.folder_report import report_folder as report_folder
     from smarig.report.folder_report import run_files as run_files
     from smarig.report.forc_page import forc_page as forc_page
+    from smarig.report.material_page import material_page as material_page
     from smarig.report.measured_diagnosis_page import thermal_diagnosis_page as thermal_diagnosis_page
     from smarig.report.model_comparison_page import models_page as models_page
     from smarig.report.models.assessment import assessment as assessment

@@ -1,12 +1,13 @@
-"""``smarig identify``: identify a model from runs."""
+"""``smarig identify``: identify a model, or the constants of the material, from runs."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
-from smarig.cli.parameter_types import FILE, SurfaceKind
-from smarig.core import MODEL, check_writable
+from smarig.cli.parameter_types import FILE, CatalogueName, SurfaceKind
+from smarig.core import MODEL, UsageError, check_writable
 from smarig.identification import BEST_KIND, extension_names, surface_choices
 
 EPILOG = """\b
@@ -17,6 +18,8 @@ Examples:
   smarig identify fod.run.sqlite loops.run.sqlite --surface exponential --extension best -o wire.model.json
   smarig identify 50_MPa.run.sqlite 150_MPa.run.sqlite --load-from stress -o wire.model.json
   smarig identify forc.run.sqlite --surface table --select 'curve%2==0' -o half.model.json
+  smarig identify 50_MPa.run.sqlite 150_MPa.run.sqlite loop_80_degC.run.sqlite --material --actuator flexinol_015 \\
+    -o wire.toml --page wire.html
 """
 
 
@@ -66,8 +69,23 @@ Examples:
     type=FILE,
     help="A model of the same wire, from which a run of continuous sweeps also determines R/hA.",
 )
-@click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
-@click.option("--force", is_flag=True, help="Replace an existing model file.")
+@click.option(
+    "--material",
+    is_flag=True,
+    help="Constants of the material (E_A, E_M, ε_L, C_A, C_M, A_s to M_f) from isobaric and isothermal loops.",
+)
+@click.option(
+    "--actuator",
+    type=CatalogueName("actuators"),
+    help="With --material: what the loops do not determine, and the size of the wire (default: that of the runs).",
+)
+@click.option(
+    "--page", type=FILE, help="With --material: page to write (*.html), with the loops and the model."
+)
+@click.option(
+    "-o", "--out", type=FILE, help="Model file (*.model.json); with --material an actuator file (*.toml)."
+)
+@click.option("--force", is_flag=True, help="Replace existing files.")
 @json_option
 def command(
     runs: tuple[Path, ...],
@@ -79,10 +97,29 @@ def command(
     load_from: str | None,
     slopes: float,
     reference: Path | None,
-    out: Path,
+    material: bool,
+    actuator: str | None,
+    page: Path | None,
+    out: Path | None,
     force: bool,
 ) -> None:
-    """Identify a Preisach model from runs with first-order curves or, with --surface positive, from any runs."""
+    """Identify a Preisach model from runs with first-order curves or, with --surface positive, from any runs. With
+    --material, fit a constitutive model to loops over temperature under several loads, and over stress at several
+    temperatures."""
+    if material:
+        settings = (select, anchor or None, symmetric or None, load_from, slopes or None, reference)
+        if any(s is not None for s in settings) or extension != "none" or surface != BEST_KIND:
+            raise UsageError(
+                "--material fits a constitutive model, without a surface. Give it only --actuator, --page, -o."
+            )
+        _identify_material(runs, actuator, page, out, force=force)
+        return
+    if actuator is not None or page is not None:
+        raise UsageError(
+            f"--{'page' if actuator is None else 'actuator'} serves --material only. Leave it out."
+        )
+    if out is None:
+        raise UsageError("Name the model file with -o.")
     from smarig.identification import ErrorLevel, identify
     from smarig.record import is_recording
 
@@ -124,3 +161,28 @@ def command(
     rows = [rows.text for rows in result.rows]
     verdict = f"Fit: {result.fit_verdict.text}"
     emit(found, "\n".join([result.text, verdict, *extended, *loads, *heating, *rows, f"Model: {out}"]))
+
+
+def _identify_material(
+    runs: tuple[Path, ...], actuator: str | None, page: Path | None, out: Path | None, *, force: bool
+) -> None:
+    """Print the material, and write the actuator file and the page."""
+    from smarig.identification import identify_material
+    from smarig.plant import Actuator
+
+    check_distinct(out, page, *runs)
+    base = Actuator.named(actuator) if actuator else None
+    found = identify_material(list(runs), base, progress=show_message)
+    result: dict[str, Any] = {**found.to_json(), "actuator": None, "report": None}
+    text = str(found)
+    if page is not None:
+        from smarig.report import material_page, write_page
+
+        write_page(material_page(found), page, force=force)
+        result["report"] = str(page)
+        text += f"\nReport: {page}"
+    if out is not None:
+        found.write_actuator(out, force=force)
+        result["actuator"] = str(out)
+        text += f"\nActuator: {out}"
+    emit(result, text)

@@ -1,0 +1,1 @@
+"""A constitutive model of the material from isobaric and isothermal records."""
