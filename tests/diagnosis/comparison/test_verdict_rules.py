@@ -73,11 +73,14 @@ def test_each_doubt_takes_the_name_away(changes, reason):
 
 
 @pytest.mark.parametrize(
-    ("beside", "size", "word"), [(0.05, 0.1, "named"), (0.97, 0.1, "unknown"), (0.97, 0.001, "named")]
+    ("beside", "size", "word"),
+    [(0.05, 0.1, "named"), (0.6, 0.1, "named"), (0.97, 0.1, "unknown"), (0.97, 0.001, "named")],
 )
-def test_a_name_does_not_stand_on_effects_that_remove_too_little_to_be_told(beside, size, word):
+@pytest.mark.parametrize("least_alone", [0.1, 0.9])  # of data of others, and of commanded runs
+def test_a_name_does_not_stand_on_effects_that_remove_too_little_to_be_told(beside, size, word, least_alone):
     found = verdict(
-        {LAG: 0.97, DRIFT: beside},
+        least_alone=least_alone,
+        causes={LAG: 0.97, DRIFT: beside},
         together={frozenset({LAG}): 0.97 - beside, frozenset({LAG, DRIFT}): beside},
         size={LAG: 0.1, DRIFT: size},
         remains={LAG: 0.01, DRIFT: 0.2},

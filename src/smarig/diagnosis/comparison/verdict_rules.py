@@ -188,7 +188,7 @@ def decide(e: VerdictEvidence) -> Verdict:
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
     sure = [p for p in effects if not doubts[p]]
-    if sure and e.with_others(sure, effects) > 1.0 - e.least_alone:
+    if sure and e.with_others(sure, effects) > RULES["name"].value:  # they are needed
         return _set(e, enough, "with_others")
     if sure:
         return Verdict("named", "likely", tuple(p.name for p in sure))
