@@ -26,6 +26,7 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import (
 )
 from smarig.diagnosis.comparison.commanded.discrepancy_kernels import Kernel, kernels, screened_kernels
 from smarig.diagnosis.comparison.commanded.kernel_shapes import (
+    FADING,
     HISTORY,
     PLAUSIBLE_ROOM_K,
     RANK_LENGTH,
@@ -109,7 +110,7 @@ class Discrepancies:
         """
         found = [self.hypothesis(v) for v in self.variables[:most]]
         best = max(found, key=lambda h: h.score)
-        if best.parts[-1].name != HISTORY:
+        if best.parts[-1].name != HISTORY or self.kernels[self._promising(HISTORY)[0]].variable == FADING:
             return found
         freest = self._with_variable(HISTORY, [v for v in self.variables[:most] if v != HISTORY])
         return [h if h is best else _also(h, freest.hypothesis(h.parts[-1].name)) for h in found]
