@@ -39,6 +39,11 @@ TESTED_BY = (
     ("causes of the model's errors", "diagnosis/test_every_effect_is_found", "an_effect_is_named"),
     ("agree within 1e-10", "identification/test_forc_density", "pmagpy_s_variforc_agrees"),
     ("only the extrema that still matter", "preisach/test_kernel", "deep_memory_is_held_and_wiped_out"),
+    (
+        "and what the records cannot give",
+        "identification/material/test_what_records_determine",
+        "constant_loads_do_not_determine",
+    ),
     ("interpolated between measured loads", "test_real_loads", "a_load_left_out_is_predicted"),
 )
 """Statements with the files and the beginnings of the tests that show them; no name: the whole file does."""
@@ -77,6 +82,11 @@ def stated_rows():
     pooled = float(np.sqrt(np.mean(np.square(fit))))
     yield row("smarig, `identify --load-from stress`", *percents([pooled, *fit]))
     yield " | ".join(percents(left_out[key] for key in ("100", "200", "300")))
+    material, unseen = MEASURED["stresses"]["material"], MEASURED["stresses"]["material_left_out"]
+    yield row("smarig, `identify --material`", *percents([np.sqrt(np.mean(np.square(material))), *material]))
+    yield row("the same, this stress left out of the fit", "", "", "", *percents(unseen.values())).replace(
+        "  ", " "
+    )
     positive, nnls = MEASURED["identify"]["positive"], MEASURED["identify"]["nnls_cells"]
     yield f"an rms error of {positive['rms']:.4f} after {positive['seconds']:.2f} s"
     yield f"one of {nnls['rms'][0]:.4f} after {nnls['seconds'][0]:.3f} s"

@@ -17,7 +17,7 @@ from smarig.core import Array
 from smarig.identification.material.law import MaterialLaw
 from smarig.identification.material.material_path import MaterialBranch, strain_along
 from smarig.identification.material.material_records import MaterialRecord
-from smarig.identification.material.parameters import PARAMETERS, Choice, inner_bounds
+from smarig.identification.material.parameters import PARAMETERS, Choice
 from smarig.identification.material.starting_values import EXPONENTS, bounded, starting_values, starting_zeros
 
 COARSE_READINGS = 30  # of a branch, for the starts
@@ -70,7 +70,7 @@ def fit_material(
     best = min(tries, key=lambda found: found.cost)
     found = _least_squares(records, choice, best.x, 100)
     values, zeros = _outer(choice, found.x)
-    low, high = inner_bounds(choice.free, 0)
+    low, high = (ends[: len(choice.free)] for ends in choice.inner_bounds())
     inner = np.append(found.x, choice.log_ratio)
     margin = 1e-3 * (high - low)
     ends = (found.x[: low.size] < low + margin) | (found.x[: low.size] > high - margin)
@@ -90,7 +90,7 @@ def _values_of(law: MaterialLaw, choice: Choice) -> dict[str, float]:
 
 
 def _least_squares(records: Sequence[MaterialRecord], choice: Choice, start: Array, most: int) -> Any:
-    low, high = inner_bounds(choice.free, choice.n_zeros)
+    low, high = choice.inner_bounds()
     measured = np.concatenate([r.strain for r in records])
 
     def error(inner: Array) -> Array:

@@ -17,7 +17,7 @@ from smarig.identification.material.material_path import strain_along
 from smarig.identification.material.material_records import MaterialRecord, material_records
 from smarig.identification.material.material_text import material_text
 from smarig.identification.material.measured_latent_heat import latent_heat
-from smarig.identification.material.parameters import PARAMETERS, choose, distinct_levels
+from smarig.identification.material.parameters import choose, distinct_levels
 from smarig.identification.material.twin_material import TwinMaterial, twin_material
 from smarig.plant import Actuator, Material
 from smarig.record import Run, load_run
@@ -241,7 +241,7 @@ def _estimates(fit: MaterialFit, spread: Array, n: int) -> tuple[dict[str, Estim
     reasons = dict(fit.choice.reasons)
     found: dict[str, Estimate] = {}
     for k, name in enumerate(fit.choice.free):
-        p = PARAMETERS[name]
+        p = fit.choice.range_of(name)
         half = half_width(lambda inner, k=k: float(inner[k]), fit, spread)
         low, high = (float(np.clip(p.outer(fit.inner[k] + x), p.low, p.high)) for x in (-half, half))
         if name in fit.at_bound:

@@ -12,7 +12,7 @@ from smarig.identification.material.material_records import MaterialRecord
 
 SAME_LEVEL = 0.02  # of the largest: levels that differ by less are one
 STIFFEST_MPA, SOFTEST_AUSTENITE_MPA, SOFTEST_MPA = 3e5, 1e4, 2e3
-MANY_LOADS = 4  # with as many, a part of the strain in proportion to the stress shows beside the exponential
+MANY_LOADS = 4  # as many show more of ε_L(σ) than an exponential from no stress on
 USUAL_MODULUS_MPA, USUAL_RATIO = 7e4, 0.5  # E_A and E_M/E_A of NiTi, where nothing determines them
 _LARGEST_LOG = 700.0  # of a float
 RATIO_SD = 0.35  # of log E_M/E_A: from a quarter to one
@@ -64,9 +64,11 @@ ZERO = MaterialParameter("ε_0", "1", -10.0, 10.0)  # of strain
 
 @dataclass(frozen=True)
 class Choice:
-    """What is fitted: ``free`` parameters; values of the others; why each of the others, or its share, is not known.
+    """What is fitted: ``free`` parameters; values of the others; why each of the others is not known.
 
-    ``constant_strain``: ε_L does not depend on the stress. ``zeros`` (one per record) is the number of its zero.
+    ``constant_strain``: ε_L does not depend on the stress. ``shows_start``: there are loads enough to show that it
+    begins at a stress. ``zeros`` (one per record) is the number of its zero. ``log_ratio`` is log E_M/E_A, where that
+    is assumed.
     """
 
     free: tuple[str, ...]
@@ -76,11 +78,22 @@ class Choice:
     zeros: tuple[int, ...]
     reference_stress: float
     log_ratio: float
+    shows_start: bool
 
     @property
     def n_zeros(self) -> int:
         """The number of zeros of strain."""
         return max(self.zeros) + 1
+
+    def range_of(self, name: str) -> MaterialParameter:
+        """The range of a parameter."""
+        p = PARAMETERS[name]
+        return p._replace(low=0.0) if name == "strain_least" and not self.shows_start else p
+
+    def inner_bounds(self) -> tuple[Array, Array]:
+        """The ranges of parameters and zeros as they are fitted."""
+        every = [*map(self.range_of, self.free), *[ZERO] * self.n_zeros]
+        return np.array([p.inner(p.low) for p in every]), np.array([p.inner(p.high) for p in every])
 
     @property
     def assumes_ratio(self) -> bool:
@@ -135,13 +148,23 @@ def choose(records: Sequence[MaterialRecord], known: dict[str, float], *, two_pa
     _slopes(loads, isothermal, known, fixed, reasons)
     if not two_parts:
         fixed |= {"wide_share": 0.0, "wide_factor": 1.0}
-    constant = _strain_law(len(loads) + len(isothermal), fixed, reasons)
+    levels = len(loads) + len(isothermal)
+    constant = _strain_law(levels, fixed, reasons)
     if not loads:
         _expansions(known, fixed, reasons)
     free = tuple(name for name in PARAMETERS if name not in fixed)
     zeros = tuple(range(len(records))) if own_zeros else (0,) * len(records)
     ratio = known["modulus_martensite"] / known["modulus_austenite"] if known else USUAL_RATIO
-    return Choice(free, fixed, reasons, constant, zeros, _reference(records), float(np.log(ratio)))
+    return Choice(
+        free=free,
+        fixed=fixed,
+        reasons=reasons,
+        constant_strain=constant,
+        zeros=zeros,
+        reference_stress=_reference(records),
+        log_ratio=float(np.log(ratio)),
+        shows_start=levels >= MANY_LOADS,
+    )
 
 
 def _reference(records: Sequence[MaterialRecord]) -> float:
@@ -243,9 +266,3 @@ def _expansions(known: dict[str, float], fixed: dict[str, float], reasons: dict[
     for name in ("expansion_austenite", "expansion_martensite"):
         fixed[name] = known.get(name, 0.0)
         reasons[name] = "each record holds its temperature; add an isobaric record"
-
-
-def inner_bounds(names: Sequence[str], n_zeros: int) -> tuple[Array, Array]:
-    """The ranges of parameters and zeros as they are fitted."""
-    every = [*(PARAMETERS[n] for n in names), *[ZERO] * n_zeros]
-    return np.array([p.inner(p.low) for p in every]), np.array([p.inner(p.high) for p in every])

@@ -23,6 +23,7 @@ TEMPERATURE, STRESS, STRAIN = "Temperature (°C)", "Stress (MPa)", "Strain (%)"
 PERCENT = 100.0
 _CURVE = 60  # points of a computed curve
 _FINE = 4000
+_NAME, _MARGIN = 0.11, 0.03  # of the range of an axis
 _QUARTERS = (0.25, 0.5, 0.75)
 _MIDDLE, _OUTER = {"width": 2.0}, {"width": 1.0, "dash": "dot"}
 
@@ -32,7 +33,7 @@ def all_loops(found: MaterialIdentification) -> Figure:
     panels = [
         Panel(
             list(_together(records)),
-            {"xaxis": axis(title), "yaxis": axis(STRAIN)},
+            {"xaxis": axis(title, range=_with_room(records)), "yaxis": axis(STRAIN)},
             480,
             wide=True,
             explore=True,
@@ -67,6 +68,14 @@ def _percent(r: RecordFit, strain: Array) -> Array:
     return PERCENT * (strain - r.zero)
 
 
+def _with_room(records: Sequence[RecordFit]) -> list[float]:
+    """The range of an axis, with room for the names of the loads at the cold ends, or of the temperatures."""
+    low = min(float(r.record.changing.min()) for r in records)
+    high = max(float(r.record.changing.max()) for r in records)
+    left = _NAME if records[0].record.isobaric else _MARGIN
+    return [low - left * (high - low), high + _MARGIN * (high - low)]
+
+
 def _together(records: Sequence[RecordFit]) -> Iterator[Trace]:
     for k, r in enumerate(records):
         first = k == 0
@@ -90,7 +99,7 @@ def _together(records: Sequence[RecordFit]) -> Iterator[Trace]:
             size=1,
             mode="markers+text",
             text=[r.record.condition],
-            textposition="top right" if r.record.isobaric else "top left",
+            textposition="middle left" if r.record.isobaric else "top left",
             showlegend=False,
         )
 
