@@ -96,6 +96,16 @@ def test_a_magnet_is_not_said_to_slip_in_its_grips(tmp_path):
     assert not any("grips" in s for s in reasons)
 
 
+def test_a_moment_over_temperature_has_no_background_of_the_field(tmp_path):
+    u = 300 + 60 * np.cos(np.linspace(0, 4 * np.pi, 800))
+    m = 2 * np.tanh((u - 295 - 6 * np.sign(np.gradient(u))) / 4) - 0.02 * (u - 300)
+    rows = "\n".join(f"{k},{a:.3f},{b:.5f}" for k, (a, b) in enumerate(zip(u, m)))
+    (tmp_path / "scan.csv").write_text(f"Time (s),T (K),M (emu)\n{rows}\n", encoding="utf-8")
+    reasons = study([tmp_path / "scan.csv"], tmp_path / "out", QUICK).reasons
+    assert any("changes with the temperature in each phase" in s for s in reasons)
+    assert not any("diamagnetic" in s for s in reasons)
+
+
 def test_a_model_through_few_readings_does_not_blame_the_specimen(tmp_path):
     steps = np.arange(10, -11, -1.0)
     parts = {"a": np.arange(0, 11.0), "b": steps, "c": steps[::-1]}

@@ -33,6 +33,10 @@ def _tables(path: Path, others: Sequence[Path]) -> list[FoundTable]:
     with opened_file(path) as file:
         head = file.read(_HEAD)
     if head.startswith(b"PK"):
+        from smarig.exchange.binary.npz_file import is_npz, npz_tables
+
+        if is_npz(path):
+            return npz_tables(path)
         from smarig.exchange.binary.workbook_file import workbook_tables
 
         return workbook_tables(path)

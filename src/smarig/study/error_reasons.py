@@ -173,6 +173,10 @@ def _would_go_back(best: CandidateModel) -> str:
     model = best.model
     if dimension(model.output.unit) == "resistance":  # it has no grips, and its own dependence on temperature
         return "The temperature coefficient of resistance, an R-phase, or a sensor that lags"
+    if dimension(model.output.unit) in _MAGNETIC and dimension(model.input.unit) == "temperature":
+        return (
+            "A background or a moment that changes with the temperature in each phase, or a sensor that lags"
+        )
     if dimension(model.output.unit) in _MAGNETIC:
         return "A background that falls with the field, as of a diamagnetic holder, or a sensor that lags"
     if model.input.quantity == "temperature":

@@ -25,7 +25,7 @@ Examples:
     "format_",
     required=True,
     type=CatalogueName("readers"),
-    help="Format of the file: csv, forc, hdf5, mat, parquet, tdms, xlsx.",
+    help="Format of the file: csv, forc, hdf5, mat, npz, parquet, tdms, xlsx.",
 )
 @click.option(
     "--map",

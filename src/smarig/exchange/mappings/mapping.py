@@ -12,6 +12,7 @@ from smarig.core import MAPPING_FILE, ConfigError, TomlTable, UsageError, load_t
 from smarig.exchange.mappings.mapping_layouts import (
     Hdf5Layout,
     MatLayout,
+    NpzLayout,
     ParquetLayout,
     RowRange,
     TdmsLayout,
@@ -156,6 +157,7 @@ class MappingFile(TomlTable):
     workbook: WorkbookLayout | None = None  # sheet of an Excel workbook
     hdf5: Hdf5Layout | None = None  # group of an HDF5 file
     parquet: ParquetLayout | None = None  # columns of a Parquet file
+    npz: NpzLayout | None = None  # vectors of a NumPy archive
     tdms: TdmsLayout | None = None  # group of a LabVIEW TDMS file
     rows: RowRange | None = None  # a part of the rows; leave out for all
     time: TimeAxis | None = None  # time axis; leave out if the data have no time
@@ -180,7 +182,7 @@ class MappingFile(TomlTable):
             )
         places = [
             key
-            for key in ("file", "mat", "workbook", "hdf5", "parquet", "tdms")
+            for key in ("file", "mat", "workbook", "hdf5", "parquet", "npz", "tdms")
             if key in self.model_fields_set
         ]
         if len(places) > 1:
@@ -216,7 +218,7 @@ class MappingFile(TomlTable):
     def format(self) -> str:
         """The format of the files that it describes, as import names it."""
         names = {"mat": self.mat, "xlsx": self.workbook, "hdf5": self.hdf5, "parquet": self.parquet}
-        names |= {"tdms": self.tdms}
+        names |= {"npz": self.npz, "tdms": self.tdms}
         return next((name for name, layout in names.items() if layout is not None), "csv")
 
     def tables(self) -> list[tuple[str, dict[ChannelName, Column]]]:

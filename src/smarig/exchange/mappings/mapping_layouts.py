@@ -68,6 +68,10 @@ class ParquetLayout(TomlTable):
     """[parquet]: columns of a Parquet file; it has no entries."""
 
 
+class NpzLayout(TomlTable):
+    """[npz]: vectors of one length in a NumPy archive; it has no entries."""
+
+
 class TdmsLayout(TomlTable):
     """[tdms]: channels of one length in a group of a LabVIEW TDMS file, and "time", the clock that they share."""
 
