@@ -137,6 +137,17 @@ def test_a_second_peak_is_named_and_only_the_other_branch_has_temperatures(tmp_p
     assert any("No M_s" in s and "second peak, as that of an R-phase" in s for s in result.sentences())
 
 
+@pytest.mark.parametrize(("middle", "narrow"), [(51.0, True), (31.0, False)])
+def test_peaks_that_overlap_may_be_those_of_an_r_phase(tmp_path, middle, narrow):
+    (heating, (u, t, _)) = branches()
+    noise = 0.003 * np.random.default_rng(6).standard_normal(u.size)
+    cooling = noise - KnownPeak(middle=middle, before=5.0, after=5.0, height=0.5).heat_flow(u)
+    result = study(
+        [proteus(tmp_path / "r.csv", [heating, (u, t, cooling)])], tmp_path / "out", StudyOptions()
+    )
+    assert any("M_s and M_f may be its R_s and R_f" in s for s in result.sentences()) is narrow
+
+
 def test_a_curve_without_peaks_says_so(tmp_path):
     flat = [
         (u, t, 0.003 * np.random.default_rng(k).standard_normal(u.size))

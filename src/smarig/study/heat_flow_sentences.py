@@ -13,7 +13,7 @@ _HEATS = {"heating_heat": "on heating", "cooling_heat": "on cooling"}
 def heat_flow_sentences(found: Calorimetry) -> list[str]:
     """Why there is no model, then the temperatures of each cycle, and which direction is exothermic."""
     cycles = [_cycle_sentence(found, cycle) for cycle in found.cycles]
-    missing = list(missing_sentences(found))
+    missing = [*missing_sentences(found), *narrow_sentences(found)]
     directed = any(cycle.figures for cycle in found.cycles) or not found.agrees
     return [_NO_MODEL, *cycles, *missing, *([direction_sentence(found)] if directed else [])]
 
@@ -66,6 +66,21 @@ def missing_sentences(found: Calorimetry) -> Iterator[str]:
         for reason, own in names.items():
             which = f"Cycle {cycle.number}: no" if len(found.cycles) > 1 else "No"
             yield f"{which} {', '.join(own)}: {reason}."
+
+
+def narrow_sentences(found: Calorimetry) -> Iterator[str]:
+    """That the peaks of a cycle overlap, which those of a martensite hardly do and those of an R-phase do."""
+    for cycle in found.cycles:
+        if not all(name in cycle.figures for name in HEAT_TEMPERATURES):
+            continue
+        start, top, end, first, low, last = (cycle.figures[name].value for name in HEAT_TEMPERATURES)
+        if abs(top - low) < min(end - start, first - last):
+            apart = f"{number(abs(top - low), 2)}{spaced(display_unit('K'))}"
+            which = f"Cycle {cycle.number}: the" if len(found.cycles) > 1 else "The"
+            yield (
+                f"{which} peaks of heating and cooling overlap (A_p and M_p lie {apart} apart), as those of an R-phase "
+                "do: M_s and M_f may be its R_s and R_f."
+            )
 
 
 def rate_text(cycle: CalorimetryCycle) -> str:
