@@ -145,6 +145,9 @@ _REMARK = re.compile(r"[^:]+:\s.*")  # "LGR S/N: 10224511" in a bracket is no un
 _BRACKETED_NAME = re.compile(r"^\(([^()/]+)\)\s*/\s*(\S+)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
 _BEHIND_LAST_STROKE = re.compile(r"^(.+)\s*/\s*(\S+)$")  # dL/L0/%
+_BARE_POWER = re.compile(
+    r"(?<=[/\[(])([eE]-\d+)(?=[\])]?\s*$)"
+)  # of ten, behind a name: the cell 5e-7 has a number
 _WORD = re.compile(r"[^_\s]+")
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
 
@@ -164,7 +167,10 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     (('Temp', '°C'), ('U2-1', ''))
     >>> name_and_unit("dL/Lo/*10^-3"), name_and_unit("dL/L0"), name_and_unit("ΔL/L0/%")
     (('dL/Lo', '*10^-3'), ('dL/L0', ''), ('ΔL/L0', '%'))
+    >>> name_and_unit("dL/Lo/E-03"), name_and_unit("strain [e-6]")
+    (('dL/Lo', '1E-03'), ('strain', '1e-6'))
     """
+    name = _BARE_POWER.sub(r"1\1", name)
     name = _EMPTY_BRACKET.sub("", name) or name
     if not written_unit and (match := _BRACKETED_NAME.match(name)) and known_unit(match[2]):
         return match[1], match[2]

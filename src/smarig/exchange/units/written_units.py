@@ -127,7 +127,7 @@ _FOREIGN = {  # spellings of other programs and languages
     "fahrenheit": "degF",
     "f": "degF",
 }
-_POWER_OF_TEN = re.compile(r"[*×x·]?\s*(?:10\s*\^?\s*\(?[-−⁻]|1?[eE]-)0*([236²³⁶])\)?")  # *10^-3, 1E-06, E-03
+_POWER_OF_TEN = re.compile(r"[*×x·]?\s*(?:10\s*\^?\s*\(?[-−⁻]|1[eE]-)0*([236²³⁶])\)?")  # *10^-3, 1E-06
 _RATIOS = {"2": "%", "3": "1e-3", "6": "ppm", "²": "%", "³": "1e-3", "⁶": "ppm"}
 _PER = re.compile(r"(.+)[_\s]per[_\s](.+)")  # kA_per_m
 _POWER = re.compile(r"(?:\^?[23]|[²³])$")
@@ -143,6 +143,8 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
     ('kV/cm', 'W/g', '')
     >>> known_unit("*10^-3"), known_unit("x 1E-06"), known_unit("10⁻³"), known_unit("‰")
     ('1e-3', 'ppm', '1e-3', '1e-3')
+    >>> known_unit("e-006")  # the end of a number
+    ''
     """
     word = without_markup(text).strip().strip("[](){}<>").strip()
     if temperature and word in _CASED:
