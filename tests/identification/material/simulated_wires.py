@@ -113,8 +113,8 @@ class Wire:
 
 
 def random_wire(rng):
-    """A wire somewhere in the range of NiTi."""
-    A_s = rng.uniform(40, 90)
+    """A wire somewhere in the range of NiTi, whose boundaries do not cross at any stress of its loops."""
+    A_s, C_M = rng.uniform(40, 90), rng.uniform(6, 11)
     M_s = A_s - rng.uniform(2, 12)
     return Wire(
         E_A=rng.uniform(50e3, 90e3),
@@ -126,8 +126,8 @@ def random_wire(rng):
         A_f=A_s + rng.uniform(8, 25),
         M_s=M_s,
         M_f=M_s - rng.uniform(10, 25),
-        C_A=rng.uniform(6, 11),
-        C_M=rng.uniform(6, 11),
+        C_A=C_M * rng.uniform(0.75, 1.05),
+        C_M=C_M,
         n=tuple(rng.uniform(0.25, 0.8, 4)),
         alpha_A=rng.uniform(9e-6, 14e-6),
         alpha_M=rng.uniform(5e-6, 9e-6),
