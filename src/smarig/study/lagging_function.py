@@ -16,7 +16,7 @@ from smarig.record import Run
 from smarig.study.candidate_models import CandidateModel, compared_points
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import one_way
-from smarig.study.function_of_input import FunctionOfInput, curve_through, noise_of, stands_out
+from smarig.study.function_of_input import FunctionOfInput, curve_through, noise_of
 
 _MOST_ROWS = 20_000  # of all runs: blocks of more readings are averaged
 _NODES = 40  # of the curve while the lag is searched
@@ -43,17 +43,27 @@ def lagging_function(best: CandidateModel, split: DataSplit) -> FunctionOfInput 
         return None
     v, y = _late(train, lag)
     curve = curve_through(v, y, min(_NODES, max(v.size // 4, 1)))
+    own = root_mean_square(y - np.interp(v, *curve))
     parts = [_late([record], lag) for record in held]
     errors = np.concatenate([y - np.interp(v, *curve) for v, y in parts])
-    of_model = np.concatenate([(r.measured - r.predicted)[r.counted] for r in best.held_out])
-    of_model = of_model[np.linspace(0, of_model.size - 1, errors.size).astype(int)]
-    rms, noise = root_mean_square(errors), noise_of(best, [compared_points(r) for r in best.train])
-    span = float(np.ptp(y))
-    good = error_verdict(rms, noise, rms / span if span else np.nan).level is ErrorLevel.GOOD
-    better = good and rms < _FAR_LESS * best.rms and stands_out(of_model**2 - errors**2)
-    if not better and rms > _NOTHING * best.rms:
+    whole = [sum(t.size for t, _, _ in records) for records in (train, held)]
+    if 2 * y.size < whole[0] or 2 * errors.size < whole[1]:
+        return None  # the start of a record fades, and what is left of it is no test
+    noise = noise_of(best, [compared_points(r) for r in best.train])
+    span, rms = float(np.ptp(y)), root_mean_square(errors)
+    pairs = ((own, best.train_rms), (rms, best.rms))
+    if not all(_is_better(error, of_model, noise, span) for error, of_model in pairs):
         return None
-    return FunctionOfInput(*curve, rms, noise, best.rms, lag_s=lag, lag_ci95=_interval(train, lag))
+    interval = _interval(train, lag)
+    if interval[0] <= 0:
+        return None
+    return FunctionOfInput(*curve, rms, noise, best.rms, lag_s=lag, lag_ci95=interval)
+
+
+def _is_better(rms: float, of_model: float, noise: float, span: float) -> bool:
+    """Whether a curve leaves far less than the model, and noise, or so little that no loop is left."""
+    good = error_verdict(rms, noise, rms / span if span else np.nan).level is ErrorLevel.GOOD
+    return rms <= (_FAR_LESS if good else _NOTHING) * of_model
 
 
 def _records(runs: Sequence[Run]) -> list[Record]:
