@@ -1,12 +1,11 @@
 """Checks that runs can be compared with a model: one wire, one unit, a valid clock and plausible readings."""
 
 from collections.abc import Iterable, Sequence
-from itertools import combinations
 
 import numpy as np
 
 from smarig.core import DataError, UsageError
-from smarig.record import Run, Step, same_readings
+from smarig.record import Run, Step, check_no_copies, same_readings
 from smarig.replay import Model, check_output, file_hash
 
 MAX_DURATION_S = 3.2e8  # ten years
@@ -35,11 +34,7 @@ def check_held_out(train: Sequence[Run], held_out: Sequence[Run]) -> None:
     """Raise UsageError without training runs, or if one is given twice, or is held out, and not only a part of it."""
     if not train:
         raise UsageError("A diagnosis needs at least one training run.")
-    for a, b in combinations(train, 2):
-        if same_readings(a, b):
-            raise UsageError(
-                f"{a.path.name} and {b.path.name} hold the same readings, which would count twice. Give one of them."
-            )
+    check_no_copies(train)
     for a in train:
         for b in held_out:
             copied = file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"])

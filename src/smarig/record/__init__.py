@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from smarig.record.salvage import Salvaged as Salvaged
     from smarig.record.salvage import salvage as salvage
     from smarig.record.salvage import write_salvaged as write_salvaged
+    from smarig.record.same_readings import check_no_copies as check_no_copies
     from smarig.record.same_readings import same_readings as same_readings
     from smarig.record.sample_columns import LARGEST as LARGEST
     from smarig.record.schema import SAMPLE_COLUMNS as SAMPLE_COLUMNS

@@ -41,6 +41,12 @@ def test_zeros_of_their_own_leave_the_modulus_of_austenite_open():
     assert "zero of its own" in found.not_determined["modulus_austenite"]
 
 
+def test_a_record_does_not_count_twice():
+    first, second = loops(30, 80)
+    with pytest.raises(UsageError, match="hold the same readings, which would count twice"):
+        fitted([first, second, first])
+
+
 def test_one_load_cannot_determine_the_slopes():
     with pytest.raises(UsageError, match="cannot determine C_A and C_M.*another load"):
         fitted(loops(100))

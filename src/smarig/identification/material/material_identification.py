@@ -20,7 +20,7 @@ from smarig.identification.material.measured_latent_heat import latent_heat
 from smarig.identification.material.parameters import choose, distinct_levels
 from smarig.identification.material.twin_material import TwinMaterial, twin_material
 from smarig.plant import Actuator, Material
-from smarig.record import Run, load_run
+from smarig.record import Run, check_no_copies, load_run
 from smarig.replay import recorded_actuator
 
 SOURCE = "constitutive fit"
@@ -131,6 +131,7 @@ def identify_material(
     """
     given = [runs] if isinstance(runs, Run | str | Path) else list(runs)
     loaded = [r if isinstance(r, Run) else load_run(r) for r in given]
+    check_no_copies(loaded)
     records = material_records(loaded)
     actuator = actuator or _recorded(loaded)
     known = _known(actuator)
