@@ -9,6 +9,7 @@ from identification.material.simulated_wires import Wire
 from report.pages import Page
 from smarig.cli import run as cli
 from smarig.exchange import import_file
+from smarig.identification.material.material_text import value_text
 from smarig.plant import Actuator
 
 WIRE = Wire(A_s=70.0, A_f=80.0, M_s=56.0, M_f=46.0, k=0.03, n=(0.8, 0.8, 0.8, 0.8))
@@ -81,6 +82,28 @@ def test_the_text_names_what_is_missing(runs, capsys):
     assert "C_A   = " in text
     assert "E_M is not determined: each record holds its stress" in text
     assert "if predicted from the other loads" in text
+
+
+@pytest.mark.parametrize("option", ["-o", "--page"])
+def test_a_file_that_exists_is_refused_before_the_fit(runs, tmp_path, capsys, monkeypatch, option):
+    monkeypatch.setattr("smarig.identification.identify_material", lambda *_, **__: pytest.fail("was fitted"))
+    there = tmp_path / "there"
+    there.write_text("kept")
+    assert cli(["identify", *map(str, runs), "--material", option, str(there)]) == 2
+    assert "exists; give another name or --force" in capsys.readouterr().err
+    assert there.read_text() == "kept"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("expansion_austenite", -5e-5, "−50 10⁻⁶/K"),
+        ("strain_least", 0.0, "0 %"),
+        ("strain_stress", 3.5, "3.5 MPa"),
+    ],
+)
+def test_the_end_of_a_range_is_written_as_the_parameter_is(name, value, text):
+    assert value_text(name, value) == text
 
 
 def test_one_load_is_refused(runs, capsys):

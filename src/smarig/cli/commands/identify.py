@@ -7,7 +7,7 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, CatalogueName, SurfaceKind
-from smarig.core import MODEL, UsageError, check_writable
+from smarig.core import MODEL, PAGE, TOML, UsageError, check_writable
 from smarig.identification import BEST_KIND, extension_names, surface_choices
 
 EPILOG = """\b
@@ -171,6 +171,9 @@ def _identify_material(
     from smarig.plant import Actuator
 
     check_distinct(out, page, *runs)
+    for path, kind in ((page, PAGE), (out, TOML)):
+        if path is not None:
+            check_writable(path, force=force, kind=kind)
     base = Actuator.named(actuator) if actuator else None
     found = identify_material(list(runs), base, progress=show_message)
     result: dict[str, Any] = {**found.to_json(), "actuator": None, "report": None}

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import Array, UsageError, root_mean_square, spaced
+from smarig.core import Array, UsageError, root_mean_square
 from smarig.identification.interval_estimate import Estimate, variance_inflation
 from smarig.identification.material.law import MaterialLaw, transformation_strain
 from smarig.identification.material.material_covariance import covariance, half_width
 from smarig.identification.material.material_fit import MaterialFit, fit_material, law_at
 from smarig.identification.material.material_path import strain_along
 from smarig.identification.material.material_records import MaterialRecord, material_records
-from smarig.identification.material.material_text import material_text
+from smarig.identification.material.material_text import material_text, value_text
 from smarig.identification.material.measured_latent_heat import latent_heat
 from smarig.identification.material.parameters import choose, distinct_levels
 from smarig.identification.material.twin_material import TwinMaterial, twin_material
@@ -24,7 +24,6 @@ from smarig.record import Run, check_no_copies, load_run
 from smarig.replay import recorded_actuator
 
 SOURCE = "constitutive fit"
-UNITS = {"1": "", "degC": "°C"}  # as they are written
 FEWEST_LOADS_LEFT_OUT = 3
 RESOLUTION = 1e-6  # of strain: no extensometer shows less
 _HOT = 0.9  # quantile of the temperature: a record with its own zero is aligned there
@@ -249,9 +248,7 @@ def _estimates(fit: MaterialFit, spread: Array, n: int) -> tuple[dict[str, Estim
             end = (
                 p.low if abs(fit.inner[k] - p.inner(p.low)) < abs(fit.inner[k] - p.inner(p.high)) else p.high
             )
-            reasons.setdefault(
-                name, f"the fit ends at {end:g}{spaced(UNITS.get(p.unit, p.unit))}, the end of its range"
-            )
+            reasons.setdefault(name, f"the fit ends at {value_text(name, end)}, the end of its range")
         elif low <= p.low and high >= p.high:
             reasons.setdefault(name, "the interval is as wide as the range that wires have")
         elif name not in reasons:

@@ -40,6 +40,12 @@ def quantity_name(name: str) -> tuple[str, str]:
     return PARAMETERS[name].symbol, _WORDS[name]
 
 
+def value_text(name: str, value: float) -> str:
+    """A value of a parameter as it is read."""
+    shown, _, unit = parameter_cells(name, Estimate(value, (value, value), PARAMETERS[name].unit, "", 0))
+    return f"{shown:.4g}{spaced(unit)}".replace("-", "−")
+
+
 def parameter_cells(name: str, e: Estimate) -> tuple[float, tuple[float, float], str]:
     """Value, interval and unit as they are read: strains in %, moduli in GPa, expansions in 10⁻⁶/K."""
     scale, unit = _SHOWN.get(e.unit, (1.0, e.unit))

@@ -256,9 +256,7 @@ def _strain_law(levels: int, fixed: dict[str, float], reasons: dict[str, str]) -
     for name, fewest in needed.items():
         if levels < fewest:
             fixed[name] = 0.01 if name == "strain_rate" else 0.0
-            reasons[name] = (
-                f"{levels} load{'s' if levels > 1 else ''} or temperatures give as many values of ε_L"
-            )
+            reasons[name] = f"that takes {fewest} loads or temperatures, or more; the records have {levels}"
     return levels == 1
 
 
