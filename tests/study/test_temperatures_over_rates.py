@@ -1,12 +1,13 @@
 """Temperatures of one specimen at several rates: a lag moves those of heating and of cooling apart, or together."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
 from smarig.study import StudyOptions, study_each
-from smarig.study.temperatures_over_rates import rate_sentence, readings_of
+from smarig.study.temperatures_over_rates import rate_trend, readings_of
 from study.known_data import csv_text
 
 pytestmark = pytest.mark.usefixtures("drawings")
@@ -25,9 +26,15 @@ def cycles(rates, lag_min, shift=0.0):
     return {"calorimetry": {"cycles": found}, "transformation": None}
 
 
+def sentence(found):
+    trend = rate_trend(readings_of(found, []))
+    assert trend is not None
+    return trend.sentence()
+
+
 @pytest.mark.parametrize("lag_min", [0.25, -0.15])
 def test_three_rates_give_the_temperatures_at_rate_zero_with_intervals(lag_min):
-    text = rate_sentence(readings_of(cycles([4.0, 8.0, 8.1, 16.0], lag_min), []))
+    text = sentence(cycles([4.0, 8.0, 8.1, 16.0], lag_min))
     late = "specimen that follows its thermometer" if lag_min > 0 else "thermometer that follows the specimen"
     assert f"{late} {60 * abs(lag_min):.0f}" in text
     assert "(4, 8.05, 16 K/min)" in text
@@ -37,7 +44,7 @@ def test_three_rates_give_the_temperatures_at_rate_zero_with_intervals(lag_min):
 
 
 def test_two_rates_give_them_without_an_interval():
-    text = rate_sentence(readings_of(cycles([3.0, 12.0], 0.2), []))
+    text = sentence(cycles([3.0, 12.0], 0.2))
     assert "a third rate would give their intervals" in text
 
 
@@ -45,7 +52,7 @@ def test_two_rates_give_them_without_an_interval():
     ("rates", "lag", "shift"), [([8.0, 8.4], 0.2, 0), ([4.0, 9.0], 0.0, 2.0), ([4.0, 9.0], 0.0, 0)]
 )
 def test_one_rate_another_specimen_or_no_lag_says_nothing(rates, lag, shift):
-    assert rate_sentence(readings_of(cycles(rates, lag, shift), [])) == ""
+    assert rate_trend(readings_of(cycles(rates, lag, shift), [])) is None
 
 
 def test_files_of_a_folder_are_compared(tmp_path):
@@ -61,6 +68,10 @@ def test_files_of_a_folder_are_compared(tmp_path):
         (folder / f"{rate}.csv").write_text(csv_text(t, u, y), encoding="utf-8")
     study_each([folder], tmp_path / "out", StudyOptions(diagnose=False), workers=1)
     (text,) = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))["over_rates"].values()
-    assert text in (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    assert "Transformation temperatures against the rate." in page
+    row = page.split("0 (by the lines)")[1].split("</tr>")[0]
+    for shown in re.findall(r"[AM]_[sf] (\d+\.?\d*)", text.split("rate zero: ")[1]):
+        assert f"<b>{shown}</b>" in row
     late = float(text.split(" s late")[0].split()[-1])
     assert late == pytest.approx(10, abs=1)

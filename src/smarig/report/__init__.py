@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from smarig.report.components.figure import Panel as Panel
     from smarig.report.components.figure import axis as axis
     from smarig.report.components.figure import dots as dots
+    from smarig.report.components.figure import error_bars as error_bars
     from smarig.report.components.figure import figure_with_text as figure_with_text
     from smarig.report.components.figure import line as line
     from smarig.report.components.html import Html as Html
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from smarig.report.components.html import paragraph as paragraph
     from smarig.report.components.html import table as table
     from smarig.report.components.html import tag as tag
+    from smarig.report.components.html import with_subscripts as with_subscripts
     from smarig.report.components.numbers import duration as duration
     from smarig.report.components.numbers import interval_text as interval_text
     from smarig.report.components.numbers import number as number

@@ -17,7 +17,7 @@ from smarig.study.studies_page import studies_page
 from smarig.study.study import plain, study
 from smarig.study.study_files import STUDY_JSON, STUDY_PAGE, outcome_word
 from smarig.study.study_options import StudyOptions, study_key
-from smarig.study.temperatures_over_rates import over_rates
+from smarig.study.temperatures_over_rates import RateTrend, over_rates
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class FileOutcome:
 
     ``left_out``: why the file was not tried. ``reused``: an earlier result with equal file and options was kept.
     ``other_zero`` says how its zero differs from that of another file with the same loop, "" if it does not;
-    ``over_rates`` how its temperatures and those of the files like it go with the rate, "" if they do not.
+    ``over_rates`` is how its temperatures and those of the files like it go with the rate, None if they do not.
     """
 
     file: str
@@ -36,7 +36,7 @@ class FileOutcome:
     left_out: str = ""
     reused: bool = False
     other_zero: str = ""
-    over_rates: str = ""
+    over_rates: RateTrend | None = None
 
     @property
     def failed(self) -> bool:
@@ -84,9 +84,7 @@ def study_each(
         raise
     ordered = [outcomes[task[0]] for task in tasks]
     zeros, rates = other_zeros(ordered), over_rates(ordered)
-    ordered = [
-        replace(o, other_zero=zeros.get(o.file, ""), over_rates=rates.get(o.file, "")) for o in ordered
-    ]
+    ordered = [replace(o, other_zero=zeros.get(o.file, ""), over_rates=rates.get(o.file)) for o in ordered]
     ordered += [FileOutcome(str(file), "", left_out=NOT_DATA) for file in found.left_out]
     _write(out / STUDY_PAGE, studies_page(ordered, out.name))
     _write(out / STUDY_JSON, json.dumps(plain(studies_json(ordered, out)), indent=1, ensure_ascii=False))
@@ -118,7 +116,7 @@ def studies_json(outcomes: Sequence[FileOutcome], out: Path) -> dict[str, Any]:
         "failed": {o.file: o.failure for o in outcomes if o.failed},
         "left_out": {o.file: o.left_out for o in outcomes if o.left_out},
         "other_zeros": {o.file: o.other_zero for o in outcomes if o.other_zero},
-        "over_rates": {o.file: o.over_rates for o in outcomes if o.over_rates},
+        "over_rates": {o.file: o.over_rates.sentence() for o in outcomes if o.over_rates},
         "reused": sum(o.reused for o in outcomes),
         "studies": [o.found for o in outcomes if o.found is not None],
     }

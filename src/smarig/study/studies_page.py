@@ -18,6 +18,7 @@ from smarig.report import (
     tag,
     thumbnail,
 )
+from smarig.study.rates_page import rate_parts
 from smarig.study.study_files import VERDICT_LEVELS, outcome_word
 
 if TYPE_CHECKING:
@@ -43,11 +44,7 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     done = [o for o in outcomes if o.found is not None]
     failed = [o for o in outcomes if o.failed]
     left_out = [o for o in outcomes if o.left_out]
-    verdicts = Counter(o.found["verdict"] for o in done if o.found)
-    items = [(word.capitalize(), *_counted("model", verdicts[word])) for word in ("good", "fair", "poor")]
-    items += [("Without an output", *_counted("file", verdicts[None]))] if verdicts[None] else []
-    items += [("Failed", *_counted("file", len(failed)))]
-    sections = [Section("", "Result", [cards(items), *_look_first(done), *_compared(done)])]
+    sections = [Section("", "Result", [*_counts(done, len(failed)), *_look_first(done), *_compared(done)])]
     if done:
         words = "Output against input as recorded, vermilion rising and blue falling; each loop has axes of its own."
         sections.append(Section("The loop of every file", "Loops", [_gallery(done), paragraph(words)]))
@@ -66,12 +63,23 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     return page(f"Studies of {name}", lead, sections)
 
 
-def _compared(done: "Sequence[FileOutcome]") -> list[Html]:
+def _compared(done: "Sequence[FileOutcome]") -> list[Any]:
     """Which files hold the loop of another one with another zero of the output, and whose temperatures go with the
     rate.
     """
-    texts = [text for o in done for text in (o.other_zero, o.over_rates) if text]
-    return [bullets(texts)] if texts else []
+    zeros = [o.other_zero for o in done if o.other_zero]
+    trends = [o.over_rates for o in done if o.over_rates]
+    return [*([bullets(zeros)] if zeros else []), *(part for t in trends for part in rate_parts(t))]
+
+
+def _counts(done: "Sequence[FileOutcome]", failed: int) -> list[Html]:
+    """How many models are good, fair and poor, and how many files have none; nothing if no file was to have one."""
+    verdicts = Counter(o.found["verdict"] for o in done if o.found)
+    if not failed and verdicts.keys() == {None}:
+        return []
+    items = [(word.capitalize(), *_counted("model", verdicts[word])) for word in ("good", "fair", "poor")]
+    items += [("Without an output", *_counted("file", verdicts[None]))] if verdicts[None] else []
+    return [cards([*items, ("Failed", *_counted("file", failed))])]
 
 
 def _counted(noun: str, count: int) -> tuple[str, str]:

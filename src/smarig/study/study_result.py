@@ -67,7 +67,7 @@ from smarig.study.study_sentences import (
     unpredicted_sentence,
     where_sentence,
 )
-from smarig.study.temperatures_over_rates import rate_sentence, readings_of
+from smarig.study.temperatures_over_rates import rate_trend, readings_of
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
 from smarig.study.undetermined_states import UndeterminedStates, inside, new_turns, turns_of
@@ -330,8 +330,8 @@ class StudyResult:
         if self.evaluation is not None and self.split is not None:
             found += zeros_of_held_out(self.split, self.evaluation.best)
         runs = [table.run for table in self.tables]
-        rates = "" if differing(runs) else rate_sentence(readings_of(self._temperatures(), runs))
-        found += [rates] if rates else []
+        trend = None if differing(runs) else rate_trend(readings_of(self._temperatures(), runs))
+        found += [trend.sentence()] if trend else []
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(NO_TIME)

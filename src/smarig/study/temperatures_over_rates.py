@@ -7,7 +7,7 @@ through the line, and that of the scatter about it, with Student's t.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,7 +42,7 @@ class TemperatureAtRate:
 
 
 @dataclass(frozen=True)
-class _RateLine:
+class RateLine:
     """A temperature over the rate: slope in minutes, value at rate zero, and half of its 95 % interval."""
 
     slope: float
@@ -50,8 +50,60 @@ class _RateLine:
     half: float
 
 
-def over_rates(outcomes: "Sequence[FileOutcome]") -> dict[str, str]:
-    """A sentence by the first file of those with equal columns and conditions whose temperatures go with the rate."""
+@dataclass(frozen=True)
+class RateTrend:
+    """Temperatures that go with the rate: their ``readings``, the line of each by name, and the ``files`` compared."""
+
+    readings: tuple[TemperatureAtRate, ...]
+    lines: Mapping[str, RateLine]
+    files: tuple[str, ...] = ()
+
+    @property
+    def rates(self) -> list[float]:
+        """The different rates in K/min."""
+        return _different([r.rate for r in self.readings])
+
+    @property
+    def has_intervals(self) -> bool:
+        """Whether there are enough rates for intervals at rate zero."""
+        return len(self.rates) >= _ENOUGH_RATES
+
+    @property
+    def lag_s(self) -> float:
+        """The lag; negative if it is the thermometer that follows the specimen."""
+        slopes = [line.slope * (1 if name.startswith("A") else -1) for name, line in self.lines.items()]
+        return _S_PER_MIN * float(np.mean(slopes))
+
+    def cause(self) -> str:
+        """How the temperatures go with the rate, in a sentence."""
+        heating, cooling = (
+            ", ".join(name for name in self.lines if name.startswith(way)) for way in ("A", "M")
+        )
+        up, down = (heating, cooling) if self.lag_s > 0 else (cooling, heating)
+        late = (
+            "specimen that follows its thermometer"
+            if self.lag_s > 0
+            else "thermometer that follows the specimen"
+        )
+        listed = ", ".join(number(rate) for rate in self.rates)
+        first = f"{up} rise and {down} fall with the rate ({listed} K/min), as of a {late}"
+        return (
+            f"{first} {number(abs(self.lag_s), 2)} s late: those of one rate are not of the specimen alone."
+        )
+
+    def sentence(self, unit: str = "degC") -> str:
+        """The cause, and the temperatures at rate zero, each with its interval if there is one."""
+        values = ", ".join(
+            f"{name} {_shown(line, unit, interval=self.has_intervals)}" for name, line in self.lines.items()
+        )
+        how = "At rate zero" if self.has_intervals else "By the line through two rates, at rate zero"
+        more = "" if self.has_intervals else "; a third rate would give their intervals"
+        names = f"{', '.join(self.files)}: " if self.files else ""
+        return f"{names}{self.cause()} {how}: {values}{more}."
+
+
+def over_rates(outcomes: "Sequence[FileOutcome]") -> dict[str, RateTrend]:
+    """By the first file of those with equal columns and conditions, how their temperatures go with the rate."""
     groups: dict[tuple[Any, ...], list[FileOutcome]] = {}
     for outcome in outcomes:
         if outcome.found is not None and (outcome.found["calorimetry"] or outcome.found["transformation"]):
@@ -62,9 +114,9 @@ def over_rates(outcomes: "Sequence[FileOutcome]") -> dict[str, str]:
         if len(group) > 1 and differing([run for own in runs for run in own]):
             continue
         readings = [r for o, own in zip(group, runs) for r in readings_of(o.found or {}, own)]
-        if text := rate_sentence(readings):
-            names = ", ".join(Path(outcome.file).name for outcome in group)
-            found[group[0].file] = f"{names}: {text}"
+        if trend := rate_trend(readings):
+            names = tuple(Path(outcome.file).name for outcome in group)
+            found[group[0].file] = replace(trend, files=names)
     return found
 
 
@@ -110,38 +162,22 @@ def _rates(run: Run) -> dict[str, float]:
     return {way: float(np.median(rates)) for way, rates in found.items()}
 
 
-def rate_sentence(readings: Sequence[TemperatureAtRate], unit: str = "degC") -> str:
-    """How the temperatures go with the rate, and where they are at rate zero; "" if they do not, or at one rate."""
+def rate_trend(readings: Sequence[TemperatureAtRate]) -> RateTrend | None:
+    """How temperatures go with the rate; None if they do not, or were read at one rate only."""
     names = [
         name
         for name in HEAT_TEMPERATURES
         if len(_different([r.rate for r in readings if r.name == name])) > 1
     ]
     lines = {name: _line([r for r in readings if r.name == name]) for name in names}
-    rising = [np.sign(line.slope) * (1 if name.startswith("A") else -1) for name, line in lines.items()]
-    ways = {name[0] for name in names}
-    if ways != {"A", "M"} or len(set(rising)) != 1 or not rising[0] or not _is_clear(readings, lines):
-        return ""
-    rates = _different([r.rate for r in readings])
-    heating, cooling = (", ".join(name for name in names if name.startswith(way)) for way in "AM")
-    up, down = (heating, cooling) if rising[0] > 0 else (cooling, heating)
-    lag = _S_PER_MIN * float(np.mean([abs(line.slope) for line in lines.values()]))
-    late = (
-        "specimen that follows its thermometer" if rising[0] > 0 else "thermometer that follows the specimen"
-    )
-    listed = ", ".join(number(rate) for rate in rates)
-    first = (
-        f"{up} rise and {down} fall with the rate ({listed} K/min), as of a {late} {number(lag, 2)} s late: those of "
-        "one rate are not of the specimen alone."
-    )
-    enough = len(rates) >= _ENOUGH_RATES
-    values = ", ".join(f"{name} {_shown(line, unit, interval=enough)}" for name, line in lines.items())
-    how = "At rate zero" if enough else "By the line through two rates, at rate zero"
-    more = "" if enough else "; a third rate would give their intervals"
-    return f"{first} {how}: {values}{more}."
+    rising = {np.sign(line.slope) * (1 if name.startswith("A") else -1) for name, line in lines.items()}
+    both_ways = {name[0] for name in names} == {"A", "M"}
+    if not both_ways or len(rising) != 1 or 0 in rising or not _is_clear(readings, lines):
+        return None
+    return RateTrend(tuple(r for r in readings if r.name in lines), lines)
 
 
-def _shown(line: _RateLine, unit: str, *, interval: bool) -> str:
+def _shown(line: RateLine, unit: str, *, interval: bool) -> str:
     value = f"{to_uncertainty(line.at_zero, line.half)}{spaced(display_unit(unit))}"
     low, high = (to_uncertainty(line.at_zero + sign * line.half, line.half) for sign in (-1, 1))
     return f"{value} ({low} to {high})" if interval else value
@@ -158,7 +194,7 @@ def _different(rates: Sequence[float]) -> list[float]:
     return [float(np.mean(group)) for group in groups]
 
 
-def _line(readings: Sequence[TemperatureAtRate]) -> _RateLine:
+def _line(readings: Sequence[TemperatureAtRate]) -> RateLine:
     rate, value, half = (np.array([getattr(r, key) for r in readings]) for key in ("rate", "value", "half"))
     x = rate - rate.mean()
     weights = x / (x @ x)
@@ -166,7 +202,7 @@ def _line(readings: Sequence[TemperatureAtRate]) -> _RateLine:
     at_zero = 1 / rate.size - rate.mean() * weights
     residual = value - value.mean() - slope * x
     ends = [float(half.mean()), float(np.sqrt(np.sum((at_zero * half) ** 2))), _of_scatter(residual, at_zero)]
-    return _RateLine(slope, float(at_zero @ value), max(ends))
+    return RateLine(slope, float(at_zero @ value), max(ends))
 
 
 def _of_scatter(residual: Array, weights: Array) -> float:
@@ -177,7 +213,7 @@ def _of_scatter(residual: Array, weights: Array) -> float:
     return scatter * float(np.sqrt(weights @ weights)) * float(stdtrit(free, 0.975))
 
 
-def _is_clear(readings: Sequence[TemperatureAtRate], lines: Mapping[str, _RateLine]) -> bool:
+def _is_clear(readings: Sequence[TemperatureAtRate], lines: Mapping[str, RateLine]) -> bool:
     """Whether the temperatures change over the rates by more than their intervals, on average."""
     change = np.mean([abs(line.slope) for line in lines.values()]) * np.ptp([r.rate for r in readings])
     return bool(change > 2 * np.mean([r.half for r in readings]))
