@@ -55,13 +55,17 @@ def pytest_collection_modifyitems(items):
     """The longest first: else one worker is still at them when the others have nothing left to do.
 
     What is marked ``long`` runs with ``SMARIG_LONG=1``, as in ``.ci/long``. Of a matrix that is marked with
-    ``one_of_each``, the cases that run without it have each value of each parameter.
+    ``one_of_each``, the cases that run without it have each value of each parameter; of cases that are marked with
+    ``but_first``, the first runs without it.
     """
     places = _places_in_matrices(items)
+    firsts = {(item.parent, item.originalname): item for item in reversed(items) if _is_case(item)}
     for item in items if not LONG else ():
         for mark in item.iter_markers("long"):
             if mark.kwargs.get("one_of_each"):
                 takes_long = not _on_diagonal(*places[item])
+            elif mark.kwargs.get("but_first"):
+                takes_long = firsts[item.parent, item.originalname] is not item
             else:
                 takes_long = "cases" not in mark.kwargs or item.callspec.id in mark.kwargs["cases"]
             if takes_long:
@@ -69,6 +73,10 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.skip(reason=f"{why}: SMARIG_LONG=1"))
                 break
     items.sort(key=lambda item: item.path.stem not in LONGEST)
+
+
+def _is_case(item):
+    return hasattr(item, "callspec")
 
 
 def _places_in_matrices(items):

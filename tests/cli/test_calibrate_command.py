@@ -31,6 +31,7 @@ def calibrated(wave, *more):
     )
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_file_starts_from_the_actuator_of_the_runs(wave, tmp_path):
     out = tmp_path / "measured.toml"
     assert calibrated(wave, "-o", out) == 0

@@ -227,6 +227,7 @@ def test_the_same_run_twice_is_refused(capsys, tmp_path, recorded):
     assert "twice" in err
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("select", ["-(curve==0)", "(curve==0)-(curve==1)", ""])
 def test_selections_that_are_no_condition(capsys, tmp_path, select):
     fod = small_fod(capsys, tmp_path)

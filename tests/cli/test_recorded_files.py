@@ -87,6 +87,7 @@ def test_no_secret_is_shown_by_a_run_that_names_its_file(capsys, tmp_path, kille
         assert str(secret) in err
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(
     "changes",
     [

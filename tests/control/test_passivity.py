@@ -129,6 +129,7 @@ def test_the_p_surfaces_are_broken_by_a_loop(name: str, start):
     assert verdict.text.startswith("Not passive with any bias")
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_input_that_breaks_two_p_does_so_by_exact_work_too():
     model, found = thesis_surface("two_p"), counterexample(thesis_surface("two_p"), "anhysteretic")
     n = found.cycles_below(0.0)

@@ -145,6 +145,7 @@ def test_the_encoders_zero_is_met_on_the_training_runs(walked):
     assert one.base > 10 * per_count
 
 
+@pytest.mark.long("takes two seconds")
 def test_moving_positions_of_another_session_are_left_out_if_their_noise_is_unknown(tmp_path, walked):
     """The training runs hold none, so nothing is known of their noise."""
     (train, _), base, extended, _ = walked

@@ -28,6 +28,7 @@ def found(tmp_path, unit, rows=LOST):
     return result, " ".join(result.tables[0].warnings)
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("unit", ["K", "°F", ""])
 def test_drop_outs_are_masked_and_counted_in_the_unit_of_the_file(tmp_path, unit):
     result, texts = found(tmp_path, unit)

@@ -58,6 +58,7 @@ def test_bytes_of_no_encoding_stay_latin(tmp_path):
     assert eight_bit_text(b"a\x81\x20\xb5")[1] == "Latin-1"
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("name", ["x\x83\x81", "\x9d\x8d", "\N{REPLACEMENT CHARACTER}m"])
 def test_a_name_that_cannot_be_typed_is_given_by_its_number(tmp_path, capsys, name):
     path = tmp_path / "a.csv"

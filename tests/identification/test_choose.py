@@ -70,6 +70,7 @@ def test_every_kind_has_an_error_an_interval_and_a_share(compared):
             assert 0 <= low <= rms <= high
 
 
+@pytest.mark.long("takes four seconds")
 def test_the_same_data_gives_the_same_choice(compared):
     again = choose_surface(fod_data(fod_run("two_p")))
     assert again == compared["two_p"]

@@ -43,6 +43,7 @@ def test_a_model_that_is_right_is_right_along_a_waveform_too(runs):
     assert found.settled.rms < 0.02
 
 
+@pytest.mark.long("takes four seconds")
 def test_a_waveform_between_settled_points_does_not_spoil_a_fit(runs):
     alone, both = (identify(given, "positive").model for given in (runs[:1], runs))
     assert isinstance(both, Model)

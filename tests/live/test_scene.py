@@ -110,6 +110,7 @@ def test_axes_point_up_and_have_units(one_wire):
     assert np.allclose(drawn_to, [0.0, -scene_renderer.graph.height])
 
 
+@pytest.mark.long("takes two seconds")
 def test_every_view_has_something_drawn_below_its_origin(one_wire, two_wire):
     for run in (one_wire, two_wire):
         screen, scene_renderer = drawn(run)

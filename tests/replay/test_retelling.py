@@ -94,6 +94,7 @@ def test_extra_effects_act_like_the_plant_models_own(case_with_effect):
     cases=(
         "nothing-moving-0.002",
         "sensor_lag-moving-0.05",
+        "settling-moving-0.05",
     ),
 )
 @pytest.mark.parametrize(

@@ -69,6 +69,7 @@ def test_sessions_are_joined_in_the_order_in_which_they_began(apart, joined_time
     assert again.settled.value.tolist() == joined_timeline.settled.value.tolist()
 
 
+@pytest.mark.long("takes two seconds")
 def test_one_session_is_no_joined_timeline(apart):
     alone = build_timeline(apart[0], TAU_S)
     assert alone.sessions == ()

@@ -94,6 +94,7 @@ def test_controllers_along_one_reference_are_in_one_table(runs):
     assert "different references" not in page.visible
 
 
+@pytest.mark.long("takes three seconds")
 def test_positions_errors_and_what_was_wanted_are_drawn_over_each_other(runs):
     page = page_of(runs, "inverse", "pi")
     drawn = plot_of(page, "Error (counts)")

@@ -94,6 +94,7 @@ def test_a_sensor_that_fails_ends_the_run_at_zero(tmp_path):
     assert "dead sensor" in run.cause
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("wrong_N", [1e300, -1e6, 2001.0 * math.pi / 4 * 0.3**2])
 def test_a_force_that_no_wire_carries_is_suspect_and_in_no_mean(tmp_path, wrong_N):
     run, _ = run_on(rig(tmp_path, wrong_N, load_cell="torn"), tmp_path)

@@ -161,6 +161,7 @@ def test_late_and_lost_replies_over_a_real_line(devices, tmp_path):
     assert asked(command(9), Exchange(7, 2), replies=1) == ["= 0000 0009"]
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(
     ("options", "blamed"),
     [

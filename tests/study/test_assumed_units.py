@@ -36,6 +36,7 @@ def units_in(sentence, name):
     ]
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(
     ("drive", "out", "assumed"),
     [

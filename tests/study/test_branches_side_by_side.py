@@ -137,6 +137,7 @@ def test_an_output_that_the_user_names_counts():
     assert not guess.branches
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("name", ["wide.csv", "wide_updown.csv", "nan.csv"])
 def test_the_given_tables_give_their_temperatures(shared_data, tmp_path, name):
     path = shared_data / "field_cases" / "branches_side_by_side" / name

@@ -38,6 +38,7 @@ def mpt(path, **other):
     return path
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(("rows", "current_mA"), [(300, 500.0), (480, 20.0), (120, 3000.0)])
 def test_a_cell_is_its_voltage_over_its_charge(tmp_path, rows, current_mA):
     (table,) = find_tables(mpt(tmp_path / "a.mpt", rows=rows, current_mA=current_mA))

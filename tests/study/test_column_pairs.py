@@ -33,7 +33,7 @@ def load_comments(loads=LOADS):
     return [cell for load in loads for cell in ("", f"{load:g} MPa")]
 
 
-@pytest.mark.long("takes ten seconds", cases=("loads2",))
+@pytest.mark.long("takes ten seconds", cases=("loads1", "loads2"))
 @pytest.mark.parametrize("loads", [LOADS[:1], LOADS[:2], LOADS])
 def test_each_pair_is_a_run_at_the_load_of_its_comment(tmp_path, loads):
     path = written(tmp_path / "a.dat", pairs(loads=loads), load_comments(loads))
@@ -55,6 +55,7 @@ def test_pairs_without_a_load_are_runs_too(tmp_path, comments):
     assert [len(g.table) for g in understand([path], StudyOptions()).guesses] == [300, 280, 260]
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("labels", [("Name", "Unit", "Remark", "f(x) ="), (None,) * 4])
 def test_pairs_of_a_sheet_beside_a_count_of_rows_and_a_curve_of_its_own(tmp_path, labels):
     openpyxl = pytest.importorskip("openpyxl", reason="needs openpyxl (extra 'files')")

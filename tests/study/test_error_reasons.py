@@ -148,6 +148,7 @@ def test_what_goes_back_is_named_by_what_is_measured(tmp_path, drive, output, na
     assert other not in back[0]
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(
     ("output", "named"), [("M (emu)", "Magnetic viscosity"), ("x (mm)", "sensor that lags")]
 )

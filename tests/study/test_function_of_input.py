@@ -70,6 +70,7 @@ def test_a_loop_is_no_function(tmp_path, half_width, noise):
     assert "no hysteresis" not in result.sentences()[0]
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("cycles", [1, 3])
 def test_an_output_that_also_drifts_is_no_function(tmp_path, cycles):
     u = temperatures(cycles, 300)
@@ -77,6 +78,7 @@ def test_an_output_that_also_drifts_is_no_function(tmp_path, cycles):
     assert result.function is None
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("file", FIELD_CASES)
 def test_the_field_cases_have_no_cause(shared_data, file, tmp_path):
     if not (shared_data / file).is_file():
@@ -110,6 +112,7 @@ def late(u, lag):
     return np.array(v)
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("lag", [6.0, 9.0])
 def test_a_function_of_a_late_input_shows_no_hysteresis_but_the_lag(tmp_path, lag):
     u = heated_at_two_rates()
@@ -128,6 +131,7 @@ def test_a_loop_that_is_late_keeps_its_hysteresis(tmp_path):
     assert result.function is None
 
 
+@pytest.mark.long("takes four seconds")
 def test_a_wide_loop_beside_a_late_thermometer_is_no_function(tmp_path):
     """The lag that would make a curve of the fitted part is so long that nothing of the held-out part has settled."""
     ends = [25, 105, 25, 105, 25, 105, 60, 90, 40]

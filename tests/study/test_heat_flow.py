@@ -103,6 +103,7 @@ def test_an_export_of_trios_gives_six_temperatures_and_no_model(tmp_path, endoth
     assert not (tmp_path / "out" / "model.json").exists()
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("endothermic", [1.0, -1.0])
 def test_an_export_of_proteus_with_two_cycles_and_holds_gives_a_row_for_each(tmp_path, endothermic):
     file = proteus(tmp_path / "b.csv", branches(2, endothermic, hold=80))
@@ -222,6 +223,7 @@ def test_a_power_is_a_heat_flow_where_it_turns_negative_or_a_way_is_exothermic(t
         assert {"A_s", "A_f", "M_s", "M_f"} <= result.calorimetry.cycles[0].figures.keys()
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("unit", ["mW", "W/g"])
 def test_the_lag_of_the_instrument_after_a_turn_is_no_baseline_and_no_other_state(tmp_path, unit):
     """A sensor that follows the turn of a heat capacity in 8 s: the feet and the heat keep narrow intervals."""

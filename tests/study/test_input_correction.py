@@ -43,6 +43,7 @@ def means(run, lag=None):
     return np.array([figures.means[name].value for name in TEMPERATURES]), found
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(
     ("lag_s", "rates"), [(4.0, (1.0, 1.0, 2.0, 2.0)), (8.0, (0.5, 1.0)), (3.0, (2.0, 0.7))]
 )

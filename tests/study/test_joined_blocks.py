@@ -58,6 +58,7 @@ def test_files_of_more_and_fewer_steps_have_one_layout(tmp_path):
     assert guesses[0].table.layout == guesses[1].table.layout
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize("title", ["", "Interval {}\n"])
 def test_a_clock_that_restarts_goes_on_where_the_input_does(tmp_path, count, title):

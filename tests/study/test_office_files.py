@@ -82,6 +82,7 @@ def test_stated_counts(name):
     assert column.unit == "count"
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_number_of_a_file_stays_in_its_name(tmp_path):
     paths = [tmp_path / f"loop.{k:03d}" for k in range(3)]
     for path, shift in zip(paths, (0.0, 0.001, 0.002)):  # no copies of each other

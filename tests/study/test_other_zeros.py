@@ -29,6 +29,7 @@ def told(folder, tmp_path):
     return found
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("zero", [-0.8, 0.5])
 def test_the_same_loop_with_another_zero_is_told(tmp_path, zero):
     folder = tmp_path / "data"
@@ -41,6 +42,7 @@ def test_the_same_loop_with_another_zero_is_told(tmp_path, zero):
     assert float(text.split("reads ")[1].split()[0]) == pytest.approx(abs(zero), abs=0.02)
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("other", [{"shift": 12.0, "zero": 0.5}, {"gain": 1.4, "zero": 0.5}, {"zero": 0.0}])
 def test_another_loop_has_no_zero_to_compare(tmp_path, other):
     folder = tmp_path / "data"

@@ -78,6 +78,7 @@ def test_the_model_gets_it_and_predicts_better(tmp_path, stroke, slope, output, 
     assert fitted == pytest.approx(slope, rel=0.35)  # a steeper one is balanced by more of the measure
 
 
+@pytest.mark.long("takes seven seconds")
 def test_a_wire_without_it_gets_none(tmp_path):
     u = path(TURNS, rows=30)
     result = studied(tmp_path, u, -3.0 * wire(u, 4), "displacement_mm", 0.003)

@@ -23,6 +23,7 @@ def file_of(tmp_path, strain, names, *, ahead=0.4, noise=0.0):
 NAMES = ["Time (s),Strain (%),Stress (MPa)", "Time (s),Extension (mm),Force (N)"]
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("names", NAMES)
 @pytest.mark.parametrize(("strain", "noise"), [(STRAIN, 0.0), (RAMP, 0.0), (RAMP, 0.01)])
 def test_a_load_that_leads_is_the_input_and_no_swap_is_offered(tmp_path, names, strain, noise):

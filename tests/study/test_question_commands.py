@@ -99,6 +99,7 @@ def test_a_printed_command_works(tmp_path, capsys):
     assert (tmp_path / "a b" / "index.html").is_file()
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(
     ("columns", "others"), [({"T": U}, ["K", "degF"]), ({"Temp": U + 273}, ["degC", "degF"])]
 )

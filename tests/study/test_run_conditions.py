@@ -30,6 +30,7 @@ def runs(folder, name, levels, *, drive="H (Oe)", out="M (emu)", width=lambda le
     return found
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize(
     ("name", "key"),
     [

@@ -40,6 +40,7 @@ def conditions(path, tmp_path):
     return [table.run.info.conditions for table in tables]
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("place", ["stress", "sample/stress", "data/stress", "sample/applied_stress"])
 def test_a_single_number_is_a_condition(tmp_path, place):
     (found,) = conditions(file_of(tmp_path, {place: (150.0, "MPa")}), tmp_path)

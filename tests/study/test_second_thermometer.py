@@ -57,6 +57,7 @@ def test_a_burst_of_faults_has_a_witness(where, of_input, jump_K):
     assert "within = 5.0" in mapping_draft(guess, "m")
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("rows", [4, 30])
 def test_masked_rows_come_first_with_their_share(tmp_path, capsys, rows):
     u, _ = ramps()

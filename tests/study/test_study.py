@@ -298,6 +298,7 @@ def _measured_as(path, name):
     return path
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("name", ["R_mFoo", "pos (smoots)"])
 def test_the_terminal_says_how_to_state_a_unit(tmp_path, capsys, name):
     file = str(_measured_as(tmp_path / "data.csv", name))

@@ -7,7 +7,7 @@ import pytest
 
 from smarig.study import StudyOptions, study
 
-pytestmark = pytest.mark.usefixtures("drawings")
+pytestmark = [pytest.mark.usefixtures("drawings"), pytest.mark.long("takes nine seconds")]
 LOADS = {50: 60.0, 100: 65.0, 150: 70.0}  # MPa: A_s; A_f, M_s and M_f lie 8 K above, 4 K and 12 K below
 
 

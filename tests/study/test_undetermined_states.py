@@ -94,6 +94,7 @@ def test_a_wire_that_changed_is_not_excused(tmp_path):
     assert not any("missing knowledge" in s for s in result.sentences())
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_longer_record_of_a_changed_wire_does_not_outvote_the_fitted_one(tmp_path):
     first, second = path((25, 95, 25), rows=60), path((25, 95, 25, 95, 25), rows=400)
     files = [
@@ -132,6 +133,7 @@ def test_fitted_data_may_never_saturate_a_model_of_all_rows(tmp_path, ends, beyo
     assert min(abs(turn - inner) for turn in found.turns) < 0.05 * (high - low)
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("inner", [(0.62, 0.58), (0.63, 0.6)])
 def test_full_loops_are_those_of_the_fitted_data(tmp_path, inner):
     first, second = inner
@@ -150,6 +152,7 @@ def test_noise_that_no_model_removes_is_not_counted_against_missing_knowledge(tm
     assert found.explains
 
 
+@pytest.mark.long("takes five seconds")
 def test_inner_loops_of_the_fitted_data_are_no_full_loops(tmp_path):
     """Two wires, one 8 K later: a curve is as good as a model of both, whatever the data hold."""
     u = path((25, 95, 50, 90, 25, 95, 25))

@@ -37,6 +37,7 @@ def test_neighbouring_readings_tell_what_repeated_ones_do(tmp_path, monkeypatch,
         assert found.noise == pytest.approx(NOISE_MM, rel=0.5)
 
 
+@pytest.mark.long("takes ten seconds")
 def test_the_verdict_does_not_depend_on_the_diagnosis(tmp_path, monkeypatch):
     monkeypatch.setattr(study_result, "noise_of_repeats", lambda runs: None)
     found = studied(tmp_path, 0.02, diagnose=True)

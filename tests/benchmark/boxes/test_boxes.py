@@ -81,6 +81,7 @@ def test_the_same_seed_gives_the_same_samples(sealed, tmp_path):
     assert draw_box(1, 3).wire != draw_box(1, 2).wire
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_files_do_not_reveal_what_is_hidden(sealed):
     words = [name.encode() for name in EFFECTS]
     words += [b"effects", b"seed", b"stress", b"shift_K", sealed.commitment.encode()]

@@ -59,6 +59,7 @@ def _excursions(seed, count, rates, peaks, valleys):
     )
 
 
+@pytest.mark.long("one of many cases", but_first=True)
 @pytest.mark.parametrize("seed", [2, 5])
 def test_a_ratcheting_that_does_not_slow_down_is_named_by_the_travel_of_its_cycles(seed):
     """A cycle leaves behind a share of what the strain has travelled; counted, minor loops would leave as much."""

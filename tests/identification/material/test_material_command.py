@@ -76,6 +76,7 @@ def test_the_command_writes_the_actuator_and_the_page(runs, tmp_path, capsys):
     assert "Not determined by these records" in Page(text).visible
 
 
+@pytest.mark.long("takes five seconds")
 def test_the_text_names_what_is_missing(runs, capsys):
     assert cli(["identify", *runs, "--material"]) == 0
     text = capsys.readouterr().out

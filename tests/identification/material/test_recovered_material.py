@@ -66,6 +66,7 @@ def test_parameters_are_recovered_from_exact_loops():
     assert not found.two_parts
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_wire_that_shows_no_strain_below_a_stress():
     """H_min = 0 and σ_crit > 0: the other branch of the strain law."""
     wire = Wire(H_min=0.0, stress_crit=40.0, k=0.015)
@@ -74,6 +75,7 @@ def test_a_wire_that_shows_no_strain_below_a_stress():
     assert found.law.strain_stress == pytest.approx(40.0, abs=8.0)
 
 
+@pytest.mark.long("takes fifteen seconds")
 def test_intervals_hold_the_truth():
     """Two wires; the long test counts twenty."""
     hits = [h for seed in (21, 22) for h in _hits(seed)]
@@ -93,6 +95,7 @@ def _hits(seed):
     return inside(fitted(records_of(wire, rng)), wire).values()
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_material_of_two_widths_is_recognised():
     """Half of the material transforms over six times the range: one width does not do."""
     narrow, wide = Wire(), replace(Wire(), A_s=22.0, A_f=118.0, M_s=97.5, M_f=-4.5)

@@ -31,6 +31,7 @@ def test_an_isothermal_loop_determines_both_moduli():
     assert found.parameters["modulus_austenite"].value == pytest.approx(70e3, rel=0.05)
 
 
+@pytest.mark.long("takes three seconds")
 def test_zeros_of_their_own_leave_the_modulus_of_austenite_open():
     runs = [
         isobaric_run(Wire(), load, seeded(load), shift=shift)
@@ -92,6 +93,7 @@ def test_a_strain_in_percent_that_is_declared_as_a_number():
         fitted([loops(100)[0].with_meta(output={"quantity": "strain", "unit": "1"}), *loops(50)])
 
 
+@pytest.mark.long("takes five seconds")
 def test_units_do_not_matter():
     """Percent, numbers, microstrain, and kelvin in place of °C give one material."""
     percent, number = fitted(loops(50, 120)), fitted(loops(50, 120, unit="1"))
@@ -105,6 +107,7 @@ def test_units_do_not_matter():
     assert fitted(kelvin).law.austenite_start == pytest.approx(percent.law.austenite_start, abs=0.02)
 
 
+@pytest.mark.long("takes two seconds")
 def test_noise_of_the_thermometer_makes_no_branches():
     runs = [
         replace(r, columns={**r.columns, "input": r["input"] + 0.2 * seeded(k).normal(size=len(r))})

@@ -70,6 +70,7 @@ def test_the_model_survives_its_file_bit_for_bit(tmp_path):
     assert np.array_equal(simulate(again, loaded(160.0)), simulate(model, loaded(160.0)), equal_nan=True)
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_run_that_ended_early_is_named():
     tripped = loaded(LOADS[0]).with_meta(end={"cause": "stopped: The lease expired."})
     found = identify([tripped, loaded(LOADS[1])], load_from="stress")

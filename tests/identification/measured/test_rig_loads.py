@@ -134,6 +134,7 @@ def test_without_such_a_run_the_slope_is_fitted_to_the_verified_run_and_said():
     assert checked.settled.rms < 1e-2
 
 
+@pytest.mark.long("takes five seconds")
 def test_loads_far_outside_and_unknown_loads_are_said():
     wire, found = modelled(0)
     far = verify(found.model, constant(wire, 600.0, path(1), "far")).runs[0]

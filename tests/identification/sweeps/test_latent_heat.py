@@ -50,6 +50,7 @@ def plain():
     return heating_of_sweeps([swept_run({"curves": 8})])
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_wire_with_a_constant_tau_gets_no_latent_heat():
     assert "latent_heat" not in plain().parameters
     assert plain().swept.heat.is_constant_tau
