@@ -2,12 +2,13 @@
 stderr."""
 
 import contextlib
+import io
 import json
 import math
 import os
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,17 @@ def emit(data: dict[str, Any], text: str = "") -> None:
         _STATE["printed"] = True
     elif text:
         _print(printable(text, LONGEST_RESULT))
+
+
+@contextlib.contextmanager
+def within_another() -> Iterator[None]:
+    """For commands that a command calls: with --json their results are not printed, and the object is still to come."""
+    before = dict(_STATE)
+    try:
+        with contextlib.redirect_stdout(io.StringIO()) if before["json"] else contextlib.nullcontext():
+            yield
+    finally:
+        _STATE.update(before)
 
 
 def as_json(data: dict[str, Any]) -> str:

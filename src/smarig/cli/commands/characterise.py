@@ -18,6 +18,12 @@ from smarig.cli.run_options import effect_option, emit_previews, injected_effect
 if TYPE_CHECKING:
     from smarig.runner import Listener, Preview
 
+NEXT = """
+Open {report} in a browser. Next:
+  smarig tour    find the hidden fault of a twin in a minute
+  smarig track {model} --reference ramps --rig one_wire_twin -o ramps.run.sqlite    the model in closed loop
+  smarig study FILE…    your own data"""
+
 
 @click.command(
     "characterise",
@@ -131,4 +137,5 @@ def _text(found: dict, diagnosis: str) -> str:
     lines += [diagnosis] if diagnosis else []
     lines += found["preisach"]["sentences"]
     lines += [f"Report: {found['report']}", f"Model:  {found['model']}"]
+    lines += [NEXT.format(report=found["report"], model=found["model"])]
     return "\n".join(lines)
