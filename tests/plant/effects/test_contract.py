@@ -10,7 +10,7 @@ from smarig.core.errors import UsageError
 from smarig.plant.effect import EffectContext, PlantState, Stage
 from smarig.plant.plant import Plant
 
-NAMES = [
+OF_THE_CONTRACT = [
     "settling",
     "ambient_drift",
     "resistance_phase",
@@ -47,11 +47,11 @@ def effect_of(name, strength=None):
     return kind(name)(strength, **WHEN.get(name, {}))
 
 
-def test_the_catalogue_is_the_contracts():
-    assert sorted(NAMES) == CATALOGUE
+def test_the_catalogue_holds_the_effects_of_the_contract():
+    assert set(OF_THE_CONTRACT) <= set(CATALOGUE)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 @pytest.mark.parametrize("wire", list(WIRES))
 def test_at_zero_strength_it_is_the_identity_bit_for_bit(name, wire):
     short = {"wire": wire, "hold_s": 6.0}
@@ -64,7 +64,7 @@ def test_at_zero_strength_it_is_the_identity_bit_for_bit(name, wire):
     )
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_an_injected_effect_changes_the_record(name):
     wire = wire_of(name)
     change = driven(FALLS_AND_RISES, effect_of(name), wire=wire) - driven(FALLS_AND_RISES, wire=wire)
@@ -73,7 +73,7 @@ def test_an_injected_effect_changes_the_record(name):
     assert np.all(np.isfinite(change))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_half_as_strong_it_changes_less_and_a_trace_of_it_next_to_nothing(name):
     wire, typical = wire_of(name), kind(name).primary.typical
     base = driven(FALLS_AND_RISES, wire=wire)
@@ -85,7 +85,7 @@ def test_half_as_strong_it_changes_less_and_a_trace_of_it_next_to_nothing(name):
     assert size[2] < 1e-2 * size[0]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_it_is_physics_and_not_the_length_of_a_tick(name):
     wire = wire_of(name)
 
@@ -98,7 +98,7 @@ def test_it_is_physics_and_not_the_length_of_a_tick(name):
     assert np.sqrt(np.mean((fine - coarse) ** 2)) < 0.03 * np.sqrt(np.mean(fine**2))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_one_effect_in_two_plants_has_a_separate_state_in_each(name):
     effect, wire = effect_of(name), wire_of(name)
     once = driven(FALLS_AND_RISES, effect, wire=wire, hold_s=5.0)
@@ -106,14 +106,14 @@ def test_one_effect_in_two_plants_has_a_separate_state_in_each(name):
 
 
 def test_composition_does_not_depend_on_the_order_given():
-    effects = [effect_of(name) for name in NAMES]
+    effects = [effect_of(name) for name in CATALOGUE]
     short = {"wire": "two_wire", "hold_s": 3.0}
     assert np.array_equal(
         driven(FALLS_AND_RISES, *effects, **short), driven(FALLS_AND_RISES, *reversed(effects), **short)
     )
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_time_passes_in_steps_of_any_length(name):
     """``advance`` is ``step`` for other durations: the same ticks, one by one."""
     actuator, hysteresis, initial = WIRES[wire_of(name)]
@@ -151,7 +151,7 @@ def test_the_delay_of_a_sensor_does_not_depend_on_the_heat():
     assert seen(0.5) == pytest.approx(seen(0.02), abs=2e-3 * stroke)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_its_values_have_bounds_units_and_sources(name):
     k = kind(name)
     assert k.name == name
@@ -167,7 +167,7 @@ def test_its_values_have_bounds_units_and_sources(name):
         k(strenght=1.0)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_its_words_are_there_and_name_effects_that_exist(name):
     k = kind(name)
     module = __import__(f"smarig.plant.effects.{name}", fromlist=["_"])
@@ -179,7 +179,7 @@ def test_its_words_are_there_and_name_effects_that_exist(name):
     assert k().to_json() == {"name": name, "parameters": k().values}
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if kind(n).change])
+@pytest.mark.parametrize("name", [n for n in CATALOGUE if kind(n).change])
 def test_what_it_does_is_said_in_the_unit_of_the_output(name):
     strength = kind(name).primary
     assert "percent" in strength.name
@@ -190,7 +190,7 @@ def test_what_it_does_is_said_in_the_unit_of_the_output(name):
         assert "down" in (down := kind(name)(strength.lower).change_text(1.0, "mm")) or "falls" in down
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if kind(n).change and kind(n).primary.lower < 0])
+@pytest.mark.parametrize("name", [n for n in CATALOGUE if kind(n).change and kind(n).primary.lower < 0])
 def test_its_direction_is_that_of_the_output(name):
     """A positive strength raises the position, after one cycle and late."""
     context = EffectContext(*WIRES[wire_of(name)])
@@ -199,7 +199,7 @@ def test_its_direction_is_that_of_the_output(name):
     assert added == pytest.approx(kind(name).primary.upper / 100 * context.stroke)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_it_acts_at_the_stages_it_names_only(name):
     context = EffectContext(*WIRES[wire_of(name)])
     assert set(effect_of(name).hooks(context)) <= set(Stage)
@@ -212,7 +212,7 @@ def test_a_memoryless_effect_does_not_depend_on_earlier_calls():
     late = (Stage.FEEDBACK, Stage.OUTPUT, Stage.ADDITIVE, Stage.SENSOR)
     rng = np.random.default_rng(5)
     forgetful = set()
-    for name in NAMES:
+    for name in CATALOGUE:
         actuator, hysteresis, initial = WIRES[wire_of(name)]
         context = EffectContext(actuator, hysteresis, initial)
         moments = [(PlantState(*rng.uniform(0.1, 90.0, 9)), float(rng.uniform(0, 12))) for _ in range(40)]
@@ -224,7 +224,7 @@ def test_a_memoryless_effect_does_not_depend_on_earlier_calls():
             answers.append([[hook(y, moment) for moment, y in asked][-1] for hook in hooks.values()])
         if answers[0] and answers[0] == answers[1]:
             forgetful.add(name)
-    assert forgetful == {name for name in NAMES if kind(name).memoryless}
+    assert forgetful == {name for name in CATALOGUE if kind(name).memoryless}
 
 
 def test_two_wires_share_their_room():
