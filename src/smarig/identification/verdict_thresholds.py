@@ -31,9 +31,9 @@ def threshold_sentences() -> tuple[str, ...]:
 def study_sentences() -> tuple[str, ...]:
     """What ``study`` decides differently, because it also fits simple curves (lines, parabolas) to the same data."""
     return (
-        "Where a curve of a rising and a falling branch is about as good as the model, the data hold full loops only: "
-        f"the model is good for these at {GOOD_RATIO:g} × the noise floor, or at {_percent(SMALL_SHARE)} of the "
-        "travel even if that curve is better.",
+        "If a curve of one rising and one falling branch is about as good as the model, the data hold full loops only. "
+        f"The model is then good for full loops at {GOOD_RATIO:g} × the noise floor. At {_percent(SMALL_SHARE)} of the "
+        "travel it is good even if the curve is better.",
         f"poor: the error of another simple curve is less than {HARDLY_BETTER:g} × that of the model, or the error is "
         f"more than {_percent(LARGE_SHARE)} of the travel and above {GOOD_RATIO:g} × the noise floor.",
         f"Above {GOOD_RATIO:g} × the noise floor, a model is fair if the error of the best simple curve is at least "
