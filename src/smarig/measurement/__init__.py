@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from smarig.measurement.input_record import input_records as input_records
     from smarig.measurement.input_record import monotone_branches as monotone_branches
     from smarig.measurement.input_record import noise_range as noise_range
+    from smarig.measurement.input_record import output_noise_sd as output_noise_sd
     from smarig.measurement.input_record import recorded_means as recorded_means
     from smarig.measurement.input_record import reversals as reversals
     from smarig.measurement.input_record import rounding_sd as rounding_sd

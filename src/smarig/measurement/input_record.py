@@ -202,6 +202,20 @@ def input_noise_sd(u: Array) -> float:
     return float(np.quantile(second_differences, 0.9)) / 1.645 / np.sqrt(6.0) + 1e-9 * float(np.ptp(u))
 
 
+def output_noise_sd(u: Array, y: Array) -> float:
+    """Standard deviation of the noise of outputs y (n,) as ``input_noise_sd``, where the input u (n,) takes no step: of
+    a staircase, or of weights that are put on, the second differences of y are those of its steps.
+
+    >>> stairs = np.repeat([0.0, 50, 100, 50], 6)
+    >>> output_noise_sd(stairs, 20 * stairs) < 1e-5 < input_noise_sd(20 * stairs)
+    True
+    """
+    bends, of_output = (np.abs(x[:-2] - 2 * x[1:-1] + x[2:]) for x in (u, y))
+    usual = float(np.median(bends)) / 0.6745  # the few steps hardly move the median
+    smooth = bends <= noise_range(u, usual) / 2 + 1e-9 * float(np.ptp(u))
+    return float(np.quantile(of_output[smooth], 0.9)) / 1.645 / np.sqrt(6.0) + 1e-9 * float(np.ptp(y))
+
+
 def noise_range(u: Array, noise: float | None = None) -> float:
     """The range that the noise of an input (n,), a standard deviation, has over all its rows."""
     return 2 * float(np.sqrt(2 * np.log(u.size))) * (input_noise_sd(u) if noise is None else noise)

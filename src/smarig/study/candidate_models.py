@@ -16,7 +16,7 @@ from smarig.identification import (
     verify,
     without_dropouts,
 )
-from smarig.measurement import input_noise_sd, rounding_sd
+from smarig.measurement import output_noise_sd, rounding_sd
 from smarig.record import load_run
 from smarig.replay import Model
 from smarig.study.baselines import BRANCHES, RunPoints, baseline_rms, baselines, points_of
@@ -82,8 +82,9 @@ def noise_of_neighbours(candidate: CandidateModel) -> float | None:
     """
     found = []
     for run in candidate.train:
-        y = compared_points(run).y
-        found += [max(input_noise_sd(y), rounding_sd(load_run(run.run)))] if y.size > 2 else []
+        points = compared_points(run)
+        noise = output_noise_sd(points.u, points.y) if points.y.size > 2 else np.nan
+        found += [max(noise, rounding_sd(load_run(run.run)))] if points.y.size > 2 else []
     noise = float(np.median(found)) if found else np.inf
     return noise if candidate.rms > GOOD_RATIO * noise else None
 

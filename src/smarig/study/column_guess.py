@@ -264,7 +264,8 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
             out.append(guess)
     unknown = [g for g in out if not g.quantity and g.facts.known.size and g.facts.span > 0]
     both_ways = [g for g in unknown if _about_zero(g.facts, _BOTH_WAYS)]  # as force and travel of a damper
-    warm = [g for g in unknown if like_temperature(g.facts) and not (g in both_ways and len(both_ways) > 1)]
+    able = [g for g in unknown if _may_be_temperature(g) and not (g in both_ways and len(both_ways) > 1)]
+    warm = [g for g in able if like_temperature(g.facts)]
     widest = max(warm, key=lambda g: g.facts.span, default=None)
     warm = [g for g in warm if widest is not None and _near(g.facts, widest.facts)]
     has_temperature = any(g.quantity == q.TEMPERATURE for g in out)
@@ -313,6 +314,12 @@ def like_temperature(f: ColumnFacts) -> bool:
     return not f.constant and f.span > 15 and f.low > -200 and 15 < f.high < 800 and -60 < f.known[0] < 200
 
 
+def _may_be_temperature(guess: ColumnGuess) -> bool:
+    """Whether neither the name nor the unit of a column says that it is something else."""
+    of_unit = not guess.unit or dimension(guess.unit) == "temperature"
+    return of_unit and not q.names_another(guess.label)
+
+
 def _about_zero(f: ColumnFacts, share: float) -> bool:
     """Whether the middle of a range is close to 0: within a share of the range."""
     return abs(f.low + f.high) < share * f.span
@@ -358,6 +365,14 @@ def as_temperature(guess: ColumnGuess) -> ColumnGuess:
     return _with_unit(
         _found(guess.without_meaning(), q.TEMPERATURE, f"its name {shown(guess.label)}", LIKELY)
     )
+
+
+def as_force_reading(guess: ColumnGuess) -> ColumnGuess:
+    """A column without a name beside the masses that load a sensor: whole numbers are its readings, no temperatures."""
+    if not guess.facts.whole or not is_of_motion(_written(guess.facts)):
+        return guess.without_meaning() if guess.quantity == q.TEMPERATURE else guess
+    stated = guess.with_stated_unit()
+    return _with_unit(_found(stated, q.FORCE, "what is read in whole numbers beside masses", LIKELY))
 
 
 def displacement_confidence(guess: ColumnGuess) -> float:

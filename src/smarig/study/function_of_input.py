@@ -23,7 +23,7 @@ from smarig.identification import (
     RunVerification,
     error_verdict,
 )
-from smarig.measurement import input_noise_sd
+from smarig.measurement import output_noise_sd
 from smarig.study.baselines import RunPoints, curve_of_means
 from smarig.study.candidate_models import CandidateModel, compared_points, noise_of_repeats
 from smarig.study.data_split import DataSplit
@@ -165,4 +165,4 @@ def stands_out(x: Array) -> bool:
 def noise_of(best: CandidateModel, train: Sequence[RunPoints]) -> float:
     """The noise of a reading: from repeated readings, else from neighbouring ones."""
     known = noise_of_repeats(best.held_out)
-    return known[0] if known is not None else float(np.median([input_noise_sd(p.y) for p in train]))
+    return known[0] if known is not None else float(np.median([output_noise_sd(p.u, p.y) for p in train]))

@@ -18,6 +18,7 @@ FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 HEAT_FLOW = "heat flow"
 CHARGE = "charge"
+MASS, HUMIDITY, RELATIVE_PRESSURE = "mass", "relative humidity", "relative pressure"
 LOADS = (STRESS, FORCE, FIELD)  # under which a wire is cycled, if they are held
 HELD = (*LOADS, TEMPERATURE)  # conditions of a run, if they are held in it
 
@@ -64,7 +65,10 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (FIELD, r"field|feld|champ|campo|^h$|^hmeas|^h\b|mu ?0 ?h"),
     (POLARISATION, r"polari|^p\d?$"),
     (CHARGE, r"charge|ladung|\bq qo\b|^d?q$"),
+    (MASS, r"\bmass[ea]?\b|\bmasa\b|weight|gewicht|\bpoids\b|\bpeso\b"),
     (FORCE, r"force|kraft|\bload|\blast\b|fuerza|forza|\bf$|^fn?$|^f ?\d$"),
+    (HUMIDITY, r"humid|feucht|\brh\b|umidita|humedad"),
+    (RELATIVE_PRESSURE, r"rel\w* (pressure|druck)|pression relative|presion relativa|\bp ?/ ?p(o|0|s|sat)\b"),
     (PRESSURE, r"pressure|druck|pression|presion|vacuum|vakuum"),
     (
         DISPLACEMENT,
@@ -76,6 +80,10 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (POWER, r"power|leistung|puissance|watt"),
     (CURRENT, r"current|strom|courant|corriente|^i$|^iz|^i ?\d?$|ampere|^i\w{0,5}$"),
     (VOLTAGE, r"volt|spannung|^u$|^uz|^v$|^v ?\d?[+-]?$|^u ?\d$|tension|^u\w{0,5}$"),
+)
+_OTHERS = re.compile(  # names of what is read beside a loop
+    r"\brpm\b|speed|drehzahl|\bflow|durchfluss|\bph\b|conductiv|leitf|concentr|konzentr|content|gehalt|percent|"
+    r"frequen|energ|volum|dichte|density|lux\b|illumin|\bco2\b|\bcount|\braw\b|\badc\b"
 )
 _LETTERS = re.compile(
     r"[iu]\w{1,5}", re.IGNORECASE
@@ -115,6 +123,9 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     DUTY: ("ratio",),
     HEAT_FLOW: ("heat flow", "power"),
     CHARGE: ("charge",),
+    MASS: ("mass", "ratio"),
+    HUMIDITY: ("ratio",),
+    RELATIVE_PRESSURE: ("ratio",),
 }
 USUAL_UNITS = {  # by quantity, the most usual first
     TIME: ("s", "ms", "min", "h"),
@@ -138,6 +149,9 @@ USUAL_UNITS = {  # by quantity, the most usual first
     ELECTRIC_FIELD: ("kV/cm", "V/m"),
     CHARGE: ("C", "uC", "Ah"),
     DUTY: ("%", "1", "count"),
+    MASS: ("g", "mg", "kg"),
+    HUMIDITY: ("%", "1"),
+    RELATIVE_PRESSURE: ("1", "%"),
 }
 _BRACKET = re.compile(r"[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*")
 _EMPTY_BRACKET = re.compile(r"\s*(\[\s*\]|\(\s*\)|<\s*>|\{\s*\})")
@@ -150,6 +164,7 @@ _BARE_POWER = re.compile(
 )  # of ten, behind a name: the cell 5e-7 has a number
 _WORD = re.compile(r"[^_\s]+")
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
+_LETTERS_ONLY = ("t", "h", "m", "l", "f", "d", "g")  # behind most names, an index or a word
 
 
 def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
@@ -169,6 +184,8 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     (('dL/Lo', '*10^-3'), ('dL/L0', ''), ('ΔL/L0', '%'))
     >>> name_and_unit("dL/Lo/E-03"), name_and_unit("strain [e-6]")
     (('dL/Lo', '1E-03'), ('strain', '1e-6'))
+    >>> name_and_unit("mass_g"), name_and_unit("run_g"), name_and_unit("pos_m")
+    (('mass', 'g'), ('run_g', ''), ('pos_m', ''))
     """
     name = _BARE_POWER.sub(r"1\1", name)
     name = _EMPTY_BRACKET.sub("", name) or name
@@ -185,12 +202,22 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
         if match and match[2].isdigit():  # "axis 1": the unit 1 stands in brackets or behind a sign
             continue
         if match and _is_stated(match[2], pattern) and (pattern is _BEHIND_SIGN or len(match[2]) <= 6):
-            if pattern is _LAST_WORD and match[2].lower() in ("t", "h", "m", "l", "f", "d", "g"):
+            if (
+                pattern is _LAST_WORD
+                and match[2].lower() in _LETTERS_ONLY
+                and not _is_measured_in(*match.groups())
+            ):
                 continue
             return match[1], match[2]
     if (match := _BEHIND_LAST_STROKE.match(name)) and _is_share(match[2]):
         return match[1], match[2]
     return name, ""
+
+
+def _is_measured_in(label: str, letter: str) -> bool:
+    """Whether a letter behind a name is the unit of the quantity of that name; m stands for "measured", too."""
+    known = DIMENSIONS.get(quantity_of_name(label)[0], ())
+    return letter != "m" and dimension(known_unit(letter)) in known
 
 
 def _in_brackets(name: str, written_unit: str) -> tuple[str, str] | None:
@@ -249,6 +276,15 @@ def quantity_of_name(name: str) -> tuple[str, bool]:
     text = plain(name)
     quantity = next((q for q, words in _WORDS if re.search(words, text)), "")
     return quantity, is_commanded(name)
+
+
+def names_another(name: str) -> bool:
+    """Whether a name says a quantity that is none of a wire, and no temperature.
+
+    >>> names_another("Rotor rpm"), names_another("flow_rate"), names_another("ch 3")
+    (True, True, False)
+    """
+    return _OTHERS.search(plain(name)) is not None
 
 
 def is_commanded(text: str) -> bool:

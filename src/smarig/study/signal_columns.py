@@ -11,6 +11,7 @@ from smarig.study.column_guess import STATED, UNSURE, ColumnGuess
 from smarig.study.derived_charges import is_integral_of_current, of_terminal
 from smarig.study.displacement_places import specimens_displacement
 from smarig.study.held_quantities import held_levels, holds_still, is_noise, scatters
+from smarig.study.known_masses import known_mass
 from smarig.study.physical_roles import leads
 from smarig.study.strain_columns import axial_strain
 from smarig.study.thermometer_places import distance
@@ -29,6 +30,7 @@ _OUTPUTS = (
     q.RESISTANCE,
     q.RESISTIVITY,
     q.HEAT_FLOW,
+    q.MASS,
 )
 _INPUTS = {
     q.MOMENT: (q.FIELD, q.TEMPERATURE, q.CURRENT, q.VOLTAGE),
@@ -38,7 +40,8 @@ _INPUTS = {
     q.STRESS: (q.TEMPERATURE, q.STRAIN),
     q.HEAT_FLOW: (q.TEMPERATURE,),
     q.CHARGE: (q.VOLTAGE, q.ELECTRIC_FIELD, q.CURRENT, q.TEMPERATURE),
-    q.VOLTAGE: (q.CHARGE, q.TEMPERATURE),
+    q.VOLTAGE: (q.CHARGE, q.TEMPERATURE, q.MASS),
+    q.MASS: (q.RELATIVE_PRESSURE, q.HUMIDITY, q.PRESSURE, q.TEMPERATURE, q.FIELD, q.CURRENT),
 }
 _MECHANICAL = (  # what was measured at the specimen, before the current or voltage that causes it
     q.TEMPERATURE,
@@ -52,6 +55,9 @@ _MECHANICAL = (  # what was measured at the specimen, before the current or volt
     q.STRESS,
     q.FORCE,
     q.PRESSURE,
+    q.RELATIVE_PRESSURE,
+    q.HUMIDITY,
+    q.MASS,
 )
 _HEATS = (q.CURRENT, q.POWER, q.DUTY)
 _TOGETHER = 0.5  # least correlation of a voltage with what heats with it
@@ -67,7 +73,9 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
     return _output_among(follow) or _output_among(able)
 
 
-def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
+def _output_among(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
+    masses = known_mass(columns)
+    able = [c for c in columns if c is not masses]
     hot = any(c.quantity == q.TEMPERATURE for c in able)
     stated = [c for c in able if c.quantity in _OUTPUTS and not c.by_numbers]
     able = stated or able  # what a name or a unit says counts more than what numbers look like
@@ -81,7 +89,7 @@ def _output_among(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
             if quantity in (q.DISPLACEMENT, q.ANGLE) and not best.by_numbers:
                 return specimens_displacement(best, rivals_of(best, found))
             return axial_strain([best, *found]) if quantity == q.STRAIN else best
-    return _output_with_charge(able) or _read_voltage(able)
+    return _output_with_charge(able) or _read_voltage(able, masses)
 
 
 def rivals_of(out: ColumnGuess, columns: Sequence[ColumnGuess]) -> list[ColumnGuess]:
@@ -118,13 +126,15 @@ def voltage_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     return next((c for c in sensors if electrodes and not any(is_signal_of(c, e) for e in electrodes)), None)
 
 
-def _read_voltage(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
-    """A voltage that was read beside a temperature, as that of a divider. One that heats moves with its current or
-    power, was commanded, or leads the temperature.
+def _read_voltage(able: Sequence[ColumnGuess], masses: ColumnGuess | None) -> ColumnGuess | None:
+    """A voltage that was read beside a temperature, as that of a divider, or beside masses. One that heats moves with
+    its current or power, was commanded, or leads the temperature.
     """
     voltages = [c for c in able if c.quantity == q.VOLTAGE]
     if all(map(is_noise, voltages)):
         return None  # a supply
+    if len(voltages) == 1 and masses is not None and not any(c.quantity in _HEATS for c in able):
+        return voltages[0]  # of a bridge
     warm = next((c for c in able if c.quantity == q.TEMPERATURE), None)
     heated = len(voltages) > 1 or any(_moves_with(c, voltages) for c in able if c.quantity in _HEATS)
     if not voltages or warm is None or heated or voltages[0].commanded:

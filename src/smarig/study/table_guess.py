@@ -28,6 +28,7 @@ from smarig.study.derived_charges import line_that_names
 from smarig.study.displacement_places import rival_displacements
 from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.held_quantities import holds_still, is_noise
+from smarig.study.known_masses import with_read_masses
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.pulled_wires import pulled_roles
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
@@ -129,7 +130,7 @@ def guess_table(
         if name not in table.names:
             known = [typed_name(table, own) for own in table.names]
             raise UsageError(f"{table.path} has no column {shown(name)}{suggestion(name, known)}.")
-    columns = with_heat_flows(table, guess_columns(table, units or {}, files))
+    columns = with_read_masses(with_heat_flows(table, guess_columns(table, units or {}, files)))
     pairs, by_words = branch_pairs(columns), False
     if not pairs:
         twice = branches_written_twice(columns, output)
