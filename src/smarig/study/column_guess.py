@@ -11,6 +11,7 @@ from smarig.core import shown
 from smarig.exchange import FoundColumn, FoundTable, continued_counts, convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
+from smarig.study.default_names import default_names
 from smarig.study.message_units import REASON, are_messages, si_unit
 from smarig.study.quantity_units import (
     is_of_motion,
@@ -129,14 +130,33 @@ def guess_columns(
     table: FoundTable, units: Mapping[str, str], files: Sequence[str] = ()
 ) -> list[ColumnGuess]:
     """A guess for each column of a table. ``units`` are given by the user; ``files`` names of files of this layout."""
-    prefix = shared_prefix(table.names)
-    guesses = [_by_name(column_facts(column), prefix) for column in table.columns]
-    guesses = _by_numbers(guesses, [table.path.name, table.path.stem, *files])
+    guesses = _by_names_and_numbers(table, [table.path.name, table.path.stem, *files])
     guesses = _with_steps_as_rates(guesses)
     if are_messages(table.names):
         guesses = [_in_message(guess) for guess in guesses]
     guesses = [_continued(_with_unit(guess)) for guess in guesses]
     return [g.corrected(units[g.name]) if g.name in units else g for g in guesses]
+
+
+def _by_names_and_numbers(table: FoundTable, files: Sequence[str]) -> list[ColumnGuess]:
+    """The guesses by names and units, and by numbers where these say nothing."""
+    prefix, numbered = shared_prefix(table.names), default_names(table.names)
+    if any(c.unit for c in table.columns):
+        numbered = ()  # "V1 [V]" names a voltage
+    named = [_by_name(column_facts(c), prefix) for c in table.columns if c.name not in numbered]
+    columns = [c for c in table.columns if c.name in numbered]
+    bare = [
+        _by_name(column_facts(replace(c, name=f"column {k}"))) for k, c in enumerate(columns, start=1)
+    ]
+    found = [
+        replace(
+            guess if guess.quantity in q.NO_SIGNALS else guess.without_meaning(),
+            facts=replace(guess.facts, name=c.name),
+        )
+        for guess, c in zip(_by_numbers(bare, files), columns)
+    ]
+    guesses = {guess.name: guess for guess in (*_by_numbers(named, files), *found)}
+    return [guesses[name] for name in table.names]
 
 
 def _in_message(guess: ColumnGuess) -> ColumnGuess:

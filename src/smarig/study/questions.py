@@ -19,6 +19,7 @@ from smarig.study.typed_names import listed_names, typed_name
 
 _MOST_COMMANDS = 6  # that a question lists
 _ROLES = ("input", "output")
+_OF_INPUTS, _OF_OUTPUTS = ("degC", "A", "V"), ("mm", "%")  # of columns of which nothing is known
 _MOST_FILES = 3  # with which a whole command is still read
 
 
@@ -60,10 +61,19 @@ def question(guess: TableGuess, command: StudyCommand) -> str:
     what = "which columns to use"
     if len(units) == len(guess.doubts):
         what = f"in which unit {' and '.join(shown(name) for name in units)} {'are' if units[1:] else 'is'}"
+        what = f"{_taken(guess)}{what}"
     return (
         f"{guess.table.path}: it is not clear {what}. Say {' '.join(options)} (columns: {names}), "
         f"or take the draft with --yes.{answering(guess, command)}"
     )
+
+
+def _taken(guess: TableGuess) -> str:
+    """Which columns are taken as input and output where no name says so, before a question of their units."""
+    drive, out = guess.first("input"), guess.first("output")
+    if not guess.by_loop or drive is None or out is None:
+        return ""
+    return f"whether {shown(drive.name)} is the input and {shown(out.name)} the output, and "
 
 
 def answering(guess: TableGuess, command: StudyCommand) -> str:
@@ -74,9 +84,16 @@ def answering(guess: TableGuess, command: StudyCommand) -> str:
         return _listed(" Each of these commands answers it", guess, command, _roles(guess))
     units = [doubt for doubt in guess.doubts if doubt.startswith("unit ")]
     columns = [next(c for c in guess.columns if f"unit {c.name}" == doubt) for doubt in units]
-    usual = [q.USUAL_UNITS.get(c.quantity, (c.unit or "1",)) for c in columns]
-    answers = (dict(zip(units, chosen)) for chosen in product(*usual))
+    usual = [_usual_units(c, guess) for c in columns]
+    answers = (dict(zip(units, chosen[::-1])) for chosen in product(*usual[::-1]))  # of the input first
     return _listed(" Each of these commands answers it", guess, command, answers)
+
+
+def _usual_units(c: ColumnGuess, guess: TableGuess) -> tuple[str, ...]:
+    """The units that a column may be in: those of its quantity, else of any input or output if it has no name either."""
+    if c.quantity or c.unit or c.label:
+        return q.USUAL_UNITS.get(c.quantity, (c.unit or "1",))
+    return _OF_INPUTS if c is guess.first("input") else _OF_OUTPUTS
 
 
 def assumed_unit(guess: TableGuess, command: StudyCommand) -> str:
