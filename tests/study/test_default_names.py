@@ -41,7 +41,8 @@ def test_default_names_are_asked_for_units_and_roles(tmp_path, program):
         understand([path], StudyOptions())
     said = str(error.value)
     assert f"whether '{names[1]}' is the input and '{names[2]}' the output" in said
-    assert "=degC" in said and "=A" in said
+    assert "=degC" in said
+    assert "=A" in said
     assert names[3] + "=" not in said
 
 

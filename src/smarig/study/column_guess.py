@@ -29,6 +29,7 @@ _ANY_TIME = "assumed: equal steps of whole numbers may be s, ms or others"
 ASSUMED = "assumed: no unit is stated"
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
 _STRAIN_PERCENT = 15.0
+_MOST_RATIO = 1.5  # of a pressure or a humidity to that of saturation
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
 _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 together
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
@@ -145,9 +146,7 @@ def _by_names_and_numbers(table: FoundTable, files: Sequence[str]) -> list[Colum
         numbered = ()  # "V1 [V]" names a voltage
     named = [_by_name(column_facts(c), prefix) for c in table.columns if c.name not in numbered]
     columns = [c for c in table.columns if c.name in numbered]
-    bare = [
-        _by_name(column_facts(replace(c, name=f"column {k}"))) for k, c in enumerate(columns, start=1)
-    ]
+    bare = [_by_name(column_facts(replace(c, name=f"column {k}"))) for k, c in enumerate(columns, start=1)]
     found = [
         replace(
             guess if guess.quantity in q.NO_SIGNALS else guess.without_meaning(),
@@ -428,6 +427,8 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
         case q.CURRENT | q.VOLTAGE | q.RESISTANCE | q.POWER:
             unit = {q.CURRENT: "A", q.VOLTAGE: "V", q.RESISTANCE: "ohm", q.POWER: "W"}[guess.quantity]
             reason, sure = "the SI unit, as none is stated", WEAK
+        case q.RELATIVE_PRESSURE | q.HUMIDITY:
+            unit, reason, sure = ("%" if most > _MOST_RATIO else "1"), "its range", 0.6
         case q.DUTY:
             unit, reason, sure = ("%" if 1 < most <= 100 else "1" if most <= 1 else "count"), "its range", 0.6
         case q.FORCE if f.whole and most > 100:

@@ -3,8 +3,10 @@
 import re
 from collections.abc import Sequence
 
-_NUMBERED = re.compile(  # words with which programs number columns; a channel of an instrument has a number too
-    r"(v|x|y|c|f|var|col|column|unnamed:|field|feld|spalte|colonne|columna|arr)[ _.]?(\d+)", re.IGNORECASE
+_NUMBERED = (
+    re.compile(  # words with which programs number columns; a channel of an instrument has a number too
+        r"(v|x|y|c|f|var|col|column|unnamed:|field|feld|spalte|colonne|columna|arr)[ _.]?(\d+)", re.IGNORECASE
+    )
 )
 _ROW_NAMES = re.compile(r"|column 1|unnamed: 0|row\.?names|index", re.IGNORECASE)
 

@@ -25,6 +25,7 @@ _BY_DIMENSION = {
     "electric field": q.ELECTRIC_FIELD,
     "heat flow": q.HEAT_FLOW,
     "charge": q.CHARGE,
+    "amount per mass": q.ADSORBED,
 }
 _RELATIVE = ("mm/mm", "1e-3", "ppm", "%")  # units of changes of length
 _OF_GASES = ("Torr", "mbar", "hPa", "atm", "bar")  # no stress of a solid is given in them

@@ -18,6 +18,7 @@ FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 HEAT_FLOW = "heat flow"
 CHARGE = "charge"
+ADSORBED = "quantity adsorbed"
 MASS, HUMIDITY, RELATIVE_PRESSURE = "mass", "relative humidity", "relative pressure"
 LOADS = (STRESS, FORCE, FIELD)  # under which a wire is cycled, if they are held
 HELD = (*LOADS, TEMPERATURE)  # conditions of a run, if they are held in it
@@ -69,6 +70,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (FORCE, r"force|kraft|\bload|\blast\b|fuerza|forza|\bf$|^fn?$|^f ?\d$"),
     (HUMIDITY, r"humid|feucht|\brh\b|umidita|humedad"),
     (RELATIVE_PRESSURE, r"rel\w* (pressure|druck)|pression relative|presion relativa|\bp ?/ ?p(o|0|s|sat)\b"),
+    (ADSORBED, r"adsorbed|desorbed|\bads\b|uptake|adsorbiert|adsorbe|\bstp\b"),
     (PRESSURE, r"pressure|druck|pression|presion|vacuum|vakuum"),
     (
         DISPLACEMENT,
@@ -123,6 +125,7 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     DUTY: ("ratio",),
     HEAT_FLOW: ("heat flow", "power"),
     CHARGE: ("charge",),
+    ADSORBED: ("volume per mass", "amount per mass", "volume", "amount", "mass", "ratio"),
     MASS: ("mass", "ratio"),
     HUMIDITY: ("ratio",),
     RELATIVE_PRESSURE: ("ratio",),
@@ -149,6 +152,7 @@ USUAL_UNITS = {  # by quantity, the most usual first
     ELECTRIC_FIELD: ("kV/cm", "V/m"),
     CHARGE: ("C", "uC", "Ah"),
     DUTY: ("%", "1", "count"),
+    ADSORBED: ("cm^3/g", "mmol/g"),
     MASS: ("g", "mg", "kg"),
     HUMIDITY: ("%", "1"),
     RELATIVE_PRESSURE: ("1", "%"),
@@ -317,10 +321,13 @@ def is_letter_with_index(name: str) -> bool:
 def is_quotient(name: str) -> bool:
     """Whether a name with a stroke is a quotient of two quantities, and no path.
 
-    >>> is_quotient("dB/dt"), is_quotient("ΔL/L0"), is_quotient("rig/temp")
-    (True, True, False)
+    >>> is_quotient("dB/dt"), is_quotient("ΔL/L0"), is_quotient("p/p0"), is_quotient("rig/temp")
+    (True, True, True, False)
     """
-    return quantity_of_name(name)[0] == RATE or re.search(_OF_LENGTHS, plain(name)) is not None
+    return (
+        quantity_of_name(name)[0] in (RATE, RELATIVE_PRESSURE)
+        or re.search(_OF_LENGTHS, plain(name)) is not None
+    )
 
 
 def plain(name: str) -> str:

@@ -90,7 +90,7 @@ def answering(guess: TableGuess, command: StudyCommand) -> str:
 
 
 def _usual_units(c: ColumnGuess, guess: TableGuess) -> tuple[str, ...]:
-    """The units that a column may be in: those of its quantity, else of any input or output if it has no name either."""
+    """The units that a column may be in: those of its quantity, else those of any input or output."""
     if c.quantity or c.unit or c.label:
         return q.USUAL_UNITS.get(c.quantity, (c.unit or "1",))
     return _OF_INPUTS if c is guess.first("input") else _OF_OUTPUTS

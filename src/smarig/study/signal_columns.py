@@ -17,6 +17,7 @@ from smarig.study.strain_columns import axial_strain
 from smarig.study.thermometer_places import distance
 
 _OUTPUTS = (
+    q.ADSORBED,
     q.STRAIN,
     q.MOMENT,
     q.MAGNETISATION,
@@ -41,6 +42,7 @@ _INPUTS = {
     q.HEAT_FLOW: (q.TEMPERATURE,),
     q.CHARGE: (q.VOLTAGE, q.ELECTRIC_FIELD, q.CURRENT, q.TEMPERATURE),
     q.VOLTAGE: (q.CHARGE, q.TEMPERATURE, q.MASS),
+    q.ADSORBED: (q.RELATIVE_PRESSURE, q.HUMIDITY, q.PRESSURE, q.TEMPERATURE),
     q.MASS: (q.RELATIVE_PRESSURE, q.HUMIDITY, q.PRESSURE, q.TEMPERATURE, q.FIELD, q.CURRENT),
 }
 _MECHANICAL = (  # what was measured at the specimen, before the current or voltage that causes it

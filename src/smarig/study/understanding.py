@@ -120,17 +120,16 @@ def _of_one_layout(tables: Sequence[FoundTable]) -> tuple[list[FoundTable], dict
         rows[_kind(table)] += len(table)
     main = max(rows, key=lambda kind: rows[kind])
     shared = set(main[1])
-    kept = [
-        t for t in tables if t.format == main[0] and (_kind(t) == main or _usable(t, shared & set(t.names)))
-    ]
+    records = [t for t in tables if _kind(t) == main]
+    able = [t for t in tables if t.format == main[0] and (t in records or _usable(t, shared & set(t.names)))]
+    kept = [t for t in able if t in records or not any(_evaluates(t, record) for record in records)]
     out = {}
     for table in tables:
         if table not in kept:
             title = f"{table.path.name} {table.name}".strip()
-            out[title] = (
-                f"its columns ({', '.join(table.names)[:100]}) differ from those of the other tables; its "
-                f"{len(table)} rows are not used"
-            )
+            why = f"its columns ({', '.join(table.names)[:100]}) differ from those of the other tables"
+            why = "it has no clock, and evaluates readings of another table" if table in able else why
+            out[title] = f"{why}; its {len(table)} rows are not used"
     return kept, out
 
 
@@ -146,6 +145,19 @@ def _usable(table: FoundTable, common: set[str]) -> bool:
         return True
     guess = guess_table(_with_columns(table, common))
     return guess.first("input") is not None and guess.first("output") is not None and not guess.doubts
+
+
+def _evaluates(table: FoundTable, record: FoundTable) -> bool:
+    """Whether a shorter table in the file of a record lists some of its readings again, as a report does: it has no
+    clock, which the record has, and its inputs lie within those of the record.
+    """
+    if table.path != record.path or len(table) >= len(record):
+        return False
+    clock, drive = (guess_table(record).first(role) for role in ("time", "input"))
+    if clock is None or drive is None or clock.name in table.names or drive.name not in table.names:
+        return False
+    known = table.columns[table.names.index(drive.name)].values
+    return bool((known >= drive.facts.low).all() and (known <= drive.facts.high).all())
 
 
 def _with_columns(table: FoundTable, names: set[str]) -> FoundTable:

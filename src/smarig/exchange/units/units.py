@@ -79,6 +79,7 @@ _PLAIN: dict[str, tuple[str, float, float]] = {
     "mmol/g": ("amount per mass", 1.0, 0.0),
     "mol/kg": ("amount per mass", 1.0, 0.0),
     "umol/g": ("amount per mass", 1e-3, 0.0),
+    "cm^3/g": ("volume per mass", 1.0, 0.0),
     "cm^3": ("volume", 1.0, 0.0),
     "mL": ("volume", 1.0, 0.0),
     "L": ("volume", 1e3, 0.0),
@@ -138,6 +139,11 @@ _SPELLINGS |= {
     for unit, (dimension, *_) in UNITS.items()
     if dimension == "resistivity"
     for name in ("Ohm", "OHM")
+}
+_SPELLINGS |= {  # of a gas at standard temperature and pressure
+    text: "cm^3/g"
+    for volume in ("cm^3", "cc", "mL", "ml")
+    for text in (f"{volume}/g", f"{volume}/gSTP", f"{volume}STP/g", f"{volume}(STP)/g", f"{volume}/g(STP)")
 }
 _LONG = 4  # letters: a name of this length that misses a unit by one letter is a slip
 

@@ -124,11 +124,14 @@ _FOREIGN = {  # spellings of other programs and languages
     "ohm4w": "ohm",
     "volt dc": "V",
     "amp dc": "A",
+    "mmhg": "Torr",
+    "mm hg": "Torr",
     "fahrenheit": "degF",
     "f": "degF",
 }
 _POWER_OF_TEN = re.compile(r"[*×x·]?\s*(?:10\s*\^?\s*\(?[-−⁻]|1[eE]-)0*([236²³⁶])\)?")  # *10^-3, 1E-06
 _RATIOS = {"2": "%", "3": "1e-3", "6": "ppm", "²": "%", "³": "1e-3", "⁶": "ppm"}
+_OF_REFERENCE = re.compile(r"([a-z])/\1_?(o|0|s|sat|max|ref)", re.IGNORECASE)  # p/p0
 _PER = re.compile(r"(.+)[_\s]per[_\s](.+)")  # kA_per_m
 _POWER = re.compile(r"(?:\^?[23]|[²³])$")
 _CASED = {"C": "degC", "F": "degF"}  # one letter that stands for a temperature beside a name of one only
@@ -143,6 +146,8 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
     ('kV/cm', 'W/g', '')
     >>> known_unit("*10^-3"), known_unit("x 1E-06"), known_unit("10⁻³"), known_unit("‰")
     ('1e-3', 'ppm', '1e-3', '1e-3')
+    >>> known_unit("m³/m³"), known_unit("P/Po"), known_unit("g/g"), known_unit("m/m")
+    ('1', '1', '1', 'mm/mm')
     >>> known_unit("e-006")  # the end of a number
     ''
     """
@@ -155,10 +160,18 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
         return spelled(word)
     if match := _POWER_OF_TEN.fullmatch(word):
         return _RATIOS[match[1]]
+    if _OF_REFERENCE.fullmatch(word) or _is_of_equal_parts(word):
+        return "1"
     if match := _PER.fullmatch(word):
         return _quotient(match[1], match[2])
     found = _FOREIGN.get(word.lower().replace("_", " "), "")
     return "" if len(word) == 1 and word not in ('"', "°", "‰") else found
+
+
+def _is_of_equal_parts(word: str) -> bool:
+    """Whether a unit is one over itself, but no strain."""
+    above, stroke, below = word.partition("/")
+    return stroke == "/" and above == below and spelled(above) in UNITS and word.lower() not in _FOREIGN
 
 
 def _quotient(above: str, below: str) -> str:
