@@ -12,6 +12,7 @@ from smarig.exchange import FoundColumn, FoundTable, continued_counts, convert, 
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
 from smarig.study.default_names import default_names
+from smarig.study.leading_units import leading_units
 from smarig.study.message_units import REASON, are_messages, si_unit
 from smarig.study.quantity_units import (
     is_of_motion,
@@ -144,7 +145,15 @@ def _by_names_and_numbers(table: FoundTable, files: Sequence[str]) -> list[Colum
     prefix, numbered = shared_prefix(table.names), default_names(table.names)
     if any(c.unit for c in table.columns):
         numbered = ()  # "V1 [V]" names a voltage
-    named = [_by_name(column_facts(c), prefix) for c in table.columns if c.name not in numbered]
+    leading = leading_units(table.columns)
+    named = [
+        _by_name(
+            column_facts(replace(c, unit=leading.get(c.name, c.unit))),
+            f"{leading[c.name]} " if c.name in leading else prefix,
+        )
+        for c in table.columns
+        if c.name not in numbered
+    ]
     columns = [c for c in table.columns if c.name in numbered]
     bare = [_by_name(column_facts(replace(c, name=f"column {k}"))) for k, c in enumerate(columns, start=1)]
     found = [
@@ -427,7 +436,7 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
         case q.CURRENT | q.VOLTAGE | q.RESISTANCE | q.POWER:
             unit = {q.CURRENT: "A", q.VOLTAGE: "V", q.RESISTANCE: "ohm", q.POWER: "W"}[guess.quantity]
             reason, sure = "the SI unit, as none is stated", WEAK
-        case q.RELATIVE_PRESSURE | q.HUMIDITY:
+        case q.RELATIVE_PRESSURE | q.HUMIDITY | q.WATER_CONTENT:
             unit, reason, sure = ("%" if most > _MOST_RATIO else "1"), "its range", 0.6
         case q.DUTY:
             unit, reason, sure = ("%" if 1 < most <= 100 else "1" if most <= 1 else "count"), "its range", 0.6

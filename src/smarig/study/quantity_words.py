@@ -18,7 +18,7 @@ FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 HEAT_FLOW = "heat flow"
 CHARGE = "charge"
-ADSORBED = "quantity adsorbed"
+ADSORBED, WATER_CONTENT, MATRIC_POTENTIAL = "quantity adsorbed", "water content", "matric potential"
 MASS, HUMIDITY, RELATIVE_PRESSURE = "mass", "relative humidity", "relative pressure"
 LOADS = (STRESS, FORCE, FIELD)  # under which a wire is cycled, if they are held
 HELD = (*LOADS, TEMPERATURE)  # conditions of a run, if they are held in it
@@ -68,6 +68,15 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (CHARGE, r"charge|ladung|\bq qo\b|^d?q$"),
     (MASS, r"\bmass[ea]?\b|\bmasa\b|weight|gewicht|\bpoids\b|\bpeso\b"),
     (FORCE, r"force|kraft|\bload|\blast\b|fuerza|forza|\bf$|^fn?$|^f ?\d$"),
+    (
+        WATER_CONTENT,
+        r"(water|moisture) content|soil moisture|\bvwc\b|wassergehalt|bodenfeuchte|teneur en eau|"
+        r"contenido de (agua|humedad)",
+    ),
+    (
+        MATRIC_POTENTIAL,
+        r"matri(c|x) ?pot|(soil|water) (water )?(potential|tension)|suction|saugspannung|potenti(el|al) (hydr|matri)",
+    ),
     (HUMIDITY, r"humid|feucht|\brh\b|umidita|humedad"),
     (RELATIVE_PRESSURE, r"rel\w* (pressure|druck)|pression relative|presion relativa|\bp ?/ ?p(o|0|s|sat)\b"),
     (ADSORBED, r"adsorbed|desorbed|\bads\b|uptake|adsorbiert|adsorbe|\bstp\b"),
@@ -128,6 +137,8 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     ADSORBED: ("volume per mass", "amount per mass", "volume", "amount", "mass", "ratio"),
     MASS: ("mass", "ratio"),
     HUMIDITY: ("ratio",),
+    WATER_CONTENT: ("ratio",),
+    MATRIC_POTENTIAL: ("stress or pressure",),
     RELATIVE_PRESSURE: ("ratio",),
 }
 USUAL_UNITS = {  # by quantity, the most usual first
@@ -155,6 +166,8 @@ USUAL_UNITS = {  # by quantity, the most usual first
     ADSORBED: ("cm^3/g", "mmol/g"),
     MASS: ("g", "mg", "kg"),
     HUMIDITY: ("%", "1"),
+    WATER_CONTENT: ("1", "%"),
+    MATRIC_POTENTIAL: ("kPa", "MPa", "hPa"),
     RELATIVE_PRESSURE: ("1", "%"),
 }
 _BRACKET = re.compile(r"[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*")

@@ -17,6 +17,7 @@ from smarig.study.strain_columns import axial_strain
 from smarig.study.thermometer_places import distance
 
 _OUTPUTS = (
+    q.WATER_CONTENT,
     q.ADSORBED,
     q.STRAIN,
     q.MOMENT,
@@ -42,6 +43,7 @@ _INPUTS = {
     q.HEAT_FLOW: (q.TEMPERATURE,),
     q.CHARGE: (q.VOLTAGE, q.ELECTRIC_FIELD, q.CURRENT, q.TEMPERATURE),
     q.VOLTAGE: (q.CHARGE, q.TEMPERATURE, q.MASS),
+    q.WATER_CONTENT: (q.MATRIC_POTENTIAL, q.RELATIVE_PRESSURE, q.HUMIDITY, q.TEMPERATURE),
     q.ADSORBED: (q.RELATIVE_PRESSURE, q.HUMIDITY, q.PRESSURE, q.TEMPERATURE),
     q.MASS: (q.RELATIVE_PRESSURE, q.HUMIDITY, q.PRESSURE, q.TEMPERATURE, q.FIELD, q.CURRENT),
 }
@@ -59,6 +61,7 @@ _MECHANICAL = (  # what was measured at the specimen, before the current or volt
     q.PRESSURE,
     q.RELATIVE_PRESSURE,
     q.HUMIDITY,
+    q.MATRIC_POTENTIAL,
     q.MASS,
 )
 _HEATS = (q.CURRENT, q.POWER, q.DUTY)
