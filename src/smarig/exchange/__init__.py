@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.exchange.binary.text_archive import is_text_archive as is_text_archive
+    from smarig.exchange.binary.text_archive import unpack_texts as unpack_texts
     from smarig.exchange.checks.drift import DriftDecision as DriftDecision
     from smarig.exchange.checks.drift import ForcCurves as ForcCurves
     from smarig.exchange.checks.drift import correct_drift_if_it_helps as correct_drift_if_it_helps

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from smarig.core import UsageError, check_file, leads_out, natural_order, pattern_order
-from smarig.exchange import logged_rows
+from smarig.exchange import is_text_archive, logged_rows
 
 MOST_FILES = 100_000
 NOT_DATA = "not data, left out"
@@ -21,9 +21,9 @@ _OTHER_KINDS = (
     ".yaml",
     ".yml",
     ".ini",
-    ".zip",
     ".gz",
 )
+_TABLES = (".csv", ".tsv", ".dat", ".asc", ".json", ".jsonl", ".ndjson")
 _TEXTS = ("", ".txt", ".text", ".log")
 _ABOUT = re.compile(
     r"(read[ _-]?me|notes?|licen[cs]e|changelog|authors|copying|citation|liesmich)\b", re.IGNORECASE
@@ -64,6 +64,17 @@ def find_files(places: Sequence[Path]) -> FoundFiles:
     return FoundFiles(tuple(data), tuple(file for file in left_out if file not in data))
 
 
+def tables_among(files: Sequence[Path]) -> list[Path]:
+    """The files of an archive that may hold measurements: of an unknown kind only if they begin with rows of numbers,
+    as an archive may hold a program.
+    """
+    return [
+        file
+        for file in files
+        if not _is_no_data(file) and (file.suffix.lower() in _TABLES or not _is_prose(file))
+    ]
+
+
 def _hidden(file: Path, place: Path) -> bool:
     return any(part.startswith(".") for part in file.relative_to(place).parts)
 
@@ -71,7 +82,7 @@ def _hidden(file: Path, place: Path) -> bool:
 def _is_no_data(file: Path) -> bool:
     """Whether name or content of a file in a folder says that it is a text, a program or an archive."""
     kind = file.suffix.lower()
-    if kind in _OTHER_KINDS:
+    if kind in _OTHER_KINDS or (kind == ".zip" and not is_text_archive(file)):
         return True
     return kind in _TEXTS and (_ABOUT.match(file.name) is not None or _is_prose(file))
 

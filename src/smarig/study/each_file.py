@@ -18,6 +18,7 @@ from smarig.study.study import plain, study
 from smarig.study.study_files import STUDY_JSON, STUDY_PAGE, outcome_word
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.temperatures_over_rates import RateTrend, over_rates
+from smarig.study.unpacked_files import with_unpacked
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def study_each(
     come last, with the reason why they were left out.
     """
     found = find_files(places)
-    files = found.data
+    files = with_unpacked(found.data, out)
     out.mkdir(parents=True, exist_ok=True)
     write_library(out)
     tasks = [(str(file), str(out / name), options) for file, name in zip(files, _folders(files, places))]

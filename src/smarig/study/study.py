@@ -37,6 +37,7 @@ from smarig.study.study_result import StudyResult
 from smarig.study.transformation_figures import transformation_of
 from smarig.study.understanding import Ask, UnsureError, understand
 from smarig.study.undetermined_states import undetermined_states
+from smarig.study.unpacked_files import with_unpacked
 
 Progress = Callable[[str], None]
 
@@ -63,6 +64,7 @@ def study(
     if not paths:
         raise UsageError("Name at least one file to study.")
     name = name or (file_title(paths[0]) if len(paths) == 1 else folder.name or "study")
+    paths = with_unpacked(paths, folder)
     command = StudyCommand(paths, options, folder)
     with unchanged(paths):
         key = study_key(paths, options)
