@@ -179,6 +179,7 @@ _BEHIND_LAST_STROKE = re.compile(r"^(.+)\s*/\s*(\S+)$")  # dL/L0/%
 _BARE_POWER = re.compile(
     r"(?<=[/\[(])([eE]-\d+)(?=[\])]?\s*$)"
 )  # of ten, behind a name: the cell 5e-7 has a number
+_AGAIN = re.compile(r"(.+) \(\d+\)")  # a head that was written before
 _WORD = re.compile(r"[^_\s]+")
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
 _LETTERS_ONLY = ("t", "h", "m", "l", "f", "d", "g")  # behind most names, an index or a word
@@ -201,9 +202,14 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     (('dL/Lo', '*10^-3'), ('dL/L0', ''), ('ΔL/L0', '%'))
     >>> name_and_unit("dL/Lo/E-03"), name_and_unit("strain [e-6]")
     (('dL/Lo', '1E-03'), ('strain', '1e-6'))
+    >>> name_and_unit("T / °C (2)"), name_and_unit("coil (2)")
+    (('T', '°C'), ('coil (2)', ''))
     >>> name_and_unit("mass_g"), name_and_unit("run_g"), name_and_unit("pos_m")
     (('mass', 'g'), ('run_g', ''), ('pos_m', ''))
     """
+    again = _AGAIN.fullmatch(name)
+    if not written_unit and again and (stated := name_and_unit(again[1]))[1]:
+        return stated
     name = _BARE_POWER.sub(r"1\1", name)
     name = _EMPTY_BRACKET.sub("", name) or name
     if not written_unit and (match := _BRACKETED_NAME.match(name)) and known_unit(match[2]):
