@@ -94,7 +94,7 @@ def _output_among(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
             if quantity in (q.DISPLACEMENT, q.ANGLE) and not best.by_numbers:
                 return specimens_displacement(best, rivals_of(best, found))
             return axial_strain([best, *found]) if quantity == q.STRAIN else best
-    return _output_with_charge(able) or _read_voltage(able, masses) or _read_pressure(able)
+    return _output_with_charge(able) or _read_voltage(able, masses)
 
 
 def rivals_of(out: ColumnGuess, columns: Sequence[ColumnGuess]) -> list[ColumnGuess]:
@@ -145,14 +145,6 @@ def _read_voltage(able: Sequence[ColumnGuess], masses: ColumnGuess | None) -> Co
     if not voltages or warm is None or heated or voltages[0].commanded:
         return None
     return None if leads(voltages[0].facts.values, warm.facts.values) else voltages[0]
-
-
-def _read_pressure(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
-    """The pressure of a vapour or a gas that was read beside a temperature and nothing else that could be an output."""
-    pressures = [c for c in able if c.quantity == q.PRESSURE and not c.commanded and _is_swept(c)]
-    warm = any(c.quantity == q.TEMPERATURE for c in able)
-    others = any(not c.quantity or c.quantity in (*_HEATS, q.VOLTAGE) for c in able)
-    return pressures[0] if warm and len(pressures) == 1 and not others else None
 
 
 def _moves_with(c: ColumnGuess, voltages: Sequence[ColumnGuess]) -> bool:

@@ -1,6 +1,6 @@
 """Guesses which column of a table is the time, the input, the output and a condition, each with its reason."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -163,7 +163,7 @@ def guess_table(
         and drive is not None
         and "temperature" not in [r.role for r in roles.values()]
     ):
-        out = _moved_by(drive, left)
+        out = _moved_by(drive, left, pairs)
     found = None
     if drive is not None and out is not None and input is None and output is None and not pairs:
         found = roles_by_loop(drive, out)
@@ -260,12 +260,15 @@ def _check_named(
             raise UsageError(f"{table.path}: column {shown(c.name)} cannot be the {role}: {why}.")
 
 
-def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | None:
+def _moved_by(
+    drive: ColumnGuess, left: Sequence[ColumnGuess], pairs: Mapping[str, str]
+) -> ColumnGuess | None:
     """The output where no quantity says which it is: the field of a magnet that a current drives, or the first column
-    of the same or of no quantity.
+    of the same or of no quantity, or one that was read on two ways of the input, as ``pairs`` say.
     """
     field = q.FIELD if drive.quantity == q.CURRENT else ""
-    rest = [c for c in left if c is not drive and c.quantity in (field, "", drive.quantity)]
+    able = (field, "", drive.quantity)
+    rest = [c for c in left if c is not drive and (c.quantity in able or {drive.name, c.name} <= set(pairs))]
     return min(rest, key=lambda c: (is_noise(c), c.quantity != field), default=None)
 
 
