@@ -207,7 +207,7 @@ def output_noise_sd(u: Array, y: Array) -> float:
     a staircase, or of weights that are put on, the second differences of y are those of its steps.
 
     >>> stairs = np.repeat([0.0, 50, 100, 50], 6)
-    >>> output_noise_sd(stairs, 20 * stairs) < 1e-5 < input_noise_sd(20 * stairs)
+    >>> bool(output_noise_sd(stairs, 20 * stairs) < 1e-5 < input_noise_sd(20 * stairs))
     True
     """
     bends, of_output = (np.abs(x[:-2] - 2 * x[1:-1] + x[2:]) for x in (u, y))

@@ -140,11 +140,7 @@ _SPELLINGS |= {
     if dimension == "resistivity"
     for name in ("Ohm", "OHM")
 }
-_SPELLINGS |= {  # of a gas at standard temperature and pressure
-    text: "cm^3/g"
-    for volume in ("cm^3", "cc", "mL", "ml")
-    for text in (f"{volume}/g", f"{volume}/gSTP", f"{volume}STP/g", f"{volume}(STP)/g", f"{volume}/g(STP)")
-}
+_SPELLINGS |= {f"{volume}/g": "cm^3/g" for volume in ("cc", "mL", "ml")}
 _LONG = 4  # letters: a name of this length that misses a unit by one letter is a slip
 
 

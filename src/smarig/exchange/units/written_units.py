@@ -131,6 +131,9 @@ _FOREIGN = {  # spellings of other programs and languages
 }
 _POWER_OF_TEN = re.compile(r"[*×x·]?\s*(?:10\s*\^?\s*\(?[-−⁻]|1[eE]-)0*([236²³⁶])\)?")  # *10^-3, 1E-06
 _RATIOS = {"2": "%", "3": "1e-3", "6": "ppm", "²": "%", "³": "1e-3", "⁶": "ppm"}
+_OF_GAS = re.compile(
+    r"\s*[(\s](STP|NTP)\b\)?|(?<=[a-z³3])(STP|NTP)(?=/)"
+)  # a remark: at standard temperature
 _OF_REFERENCE = re.compile(r"([a-z])/\1_?(o|0|s|sat|max|ref)", re.IGNORECASE)  # p/p0
 _PER = re.compile(r"(.+)[_\s]per[_\s](.+)")  # kA_per_m
 _POWER = re.compile(r"(?:\^?[23]|[²³])$")
@@ -146,6 +149,8 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
     ('kV/cm', 'W/g', '')
     >>> known_unit("*10^-3"), known_unit("x 1E-06"), known_unit("10⁻³"), known_unit("‰")
     ('1e-3', 'ppm', '1e-3', '1e-3')
+    >>> known_unit("cm³(STP)/g"), known_unit("cc/g STP"), known_unit("STP")
+    ('cm^3/g', 'cm^3/g', '')
     >>> known_unit("m³/m³"), known_unit("P/Po"), known_unit("g/g"), known_unit("m/m")
     ('1', '1', '1', 'mm/mm')
     >>> known_unit("e-006")  # the end of a number
@@ -160,6 +165,8 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
         return spelled(word)
     if match := _POWER_OF_TEN.fullmatch(word):
         return _RATIOS[match[1]]
+    if _OF_GAS.search(word):
+        return known_unit(_OF_GAS.sub("", word))
     if _OF_REFERENCE.fullmatch(word) or _is_of_equal_parts(word):
         return "1"
     if match := _PER.fullmatch(word):
