@@ -16,6 +16,7 @@ NO_SUSPECTS: frozenset[FindingKind] = frozenset(
         "noisy input",
         "impossible readings",
         "frozen readings",
+        "clipped output",
         "disagreeing sensors",
         "restarted clock",
         "other starting state",

@@ -12,6 +12,7 @@ FindingKind = Literal[
     "jump",
     "spikes",
     "clipped channel",
+    "clipped output",
     "time gaps",
     "repeated rows",
     "repeated times",

@@ -17,8 +17,13 @@ from smarig.study.imported_runs import ImportedTable
 from smarig.study.input_turns import wide_turns
 from smarig.study.runs_by_condition import differing, numeric_conditions
 
-_MASKED: tuple[FindingKind, ...] = ("disagreeing sensors", "impossible readings", "frozen readings")
-_MENDED: tuple[FindingKind, ...] = (*_MASKED, "restarted clock", "other starting state")
+_FALSE: tuple[FindingKind, ...] = (
+    "clipped output",
+    "disagreeing sensors",
+    "impossible readings",
+    "frozen readings",
+)
+_MENDED: tuple[FindingKind, ...] = (*_FALSE, "restarted clock", "other starting state")
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
 _LOADS_NEEDED = 3
@@ -69,13 +74,13 @@ def noisy_input(tables: Sequence[ImportedTable]) -> Iterator[str]:
     yield from _of_kind(tables, "noisy input")[:1]
 
 
-def masked(tables: Sequence[ImportedTable]) -> Iterator[str]:
-    """Which readings the import masked, with their share: the first sentence of each kind."""
-    yield from _first_of(tables, _MASKED)
+def false_readings(tables: Sequence[ImportedTable]) -> Iterator[str]:
+    """Which readings are clipped, and which the import masked: the first sentence of each kind."""
+    yield from _first_of(tables, _FALSE)
 
 
 def mended(tables: Sequence[ImportedTable]) -> Iterator[str]:
-    """What the import mended in the readings of the tables: the first sentence of each kind."""
+    """What is wrong with readings of the tables, and what the import mended: the first sentence of each kind."""
     yield from _first_of(tables, _MENDED)
 
 

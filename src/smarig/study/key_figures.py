@@ -99,6 +99,9 @@ def _temperatures(found: RunFigures) -> Iterator[Row]:
             drawn, unit = found.means[name], display_unit(found.unit_of(name))
             low, high = drawn.ci95
             half = (high - low) / 2
+            if name in found.at_least:
+                yield figure_name(name), f"at least {_value(drawn.value, unit)}", ""
+                continue
             yield (
                 figure_name(name),
                 f"{to_uncertainty(drawn.value, half)}{spaced(unit)}",

@@ -37,7 +37,7 @@ from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import (
     differing_conditions,
     error_reasons,
-    masked,
+    false_readings,
     mended,
     noisy_input,
     one_way,
@@ -320,9 +320,9 @@ class StudyResult:
         """The coercive field and remanence of loops over a field, for each condition of the runs."""
         return field_loops([table.run for table in self.tables])
 
-    def masked(self) -> list[str]:
-        """Which readings were masked: what to know before any other sentence."""
-        return list(masked(self.tables))
+    def false_readings(self) -> list[str]:
+        """Which readings are clipped or were masked: what to know before any other sentence."""
+        return list(false_readings(self.tables))
 
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""

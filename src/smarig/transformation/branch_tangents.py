@@ -7,7 +7,7 @@ the choices beyond what noise alone would give them, as in a random-effects mean
 (DerSimonian and Laird 1986).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
@@ -64,7 +64,7 @@ class BranchTangents:
 
     ``why_not`` gives the reason for a corner that is missing, by "low" and "high". ``noise_sd`` is that of the output.
     ``jump`` is the largest share of the output between two readings of the transformation, and their inputs. ``span``
-    is the rough distance of the corners.
+    is the rough distance of the corners. ``clipped``: the output at which the range of its sensor ends, by side.
     """
 
     u: Array
@@ -80,6 +80,7 @@ class BranchTangents:
     picks: Array
     jump: tuple[float, float, float]
     span: float
+    clipped: dict[str, float] = field(default_factory=dict)
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:

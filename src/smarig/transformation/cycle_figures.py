@@ -144,6 +144,8 @@ def _outputs(
         first, last = list(branches.values())
         side = "low" if first.direction == HEATING else "high"
         ends = {"heating": heating, "cooling": cooling}
+        if any(side in t.clipped for t in ends.values()):
+            return figures
         begin, end = (
             _end(t.u, t.y, t.noise_sd, side, dice) for t in (ends[first.direction], ends[last.direction])
         )

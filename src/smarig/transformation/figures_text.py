@@ -37,6 +37,8 @@ def value_text(run: RunFigures, figure: str) -> str:
     """A mean with its interval: "81.3 °C (80.4 to 82.1)"; temperatures above ambient also in °C."""
     drawn, unit = run.means[figure], run.unit_of(figure)
     low, high = drawn.ci95
+    if figure in run.at_least:
+        return f"at least {drawn.value:.4g}{spaced(shown_unit(unit))}"
     own = f"{drawn.value:.4g}{spaced(shown_unit(unit))} ({low:.4g} to {high:.4g})"
     degC = run.degC(drawn.value) if figure in TEMPERATURES else None
     if figure not in TEMPERATURES or unit == "degC":

@@ -2,11 +2,11 @@
 
 import zlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from smarig.core import UsageError
+from smarig.core import Array, UsageError, spaced
 from smarig.identification import Estimate
 from smarig.record import Run
 from smarig.transformation.branch_tangents import BranchTangents, branch_tangents, with_borrowed_plateau
@@ -32,6 +32,7 @@ _SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not
 _CLOSED = 0.1  # of the stroke: a loop that closes within it has one plateau at an end
 _STILL_STEEP = 0.5  # of the steep slope: a branch that ends with more is not through
 _MOST_REASONS = 2  # branches that cover only a part of the range: so many are described
+_SAME = 1e-9  # of the range of the output: means of equal readings differ by rounding
 _SOURCE = "tangents"
 
 
@@ -84,6 +85,12 @@ class RunFigures:
         mean = stored.get("mean")
         known = isinstance(mean, int | float) and np.isfinite(mean)
         return (float(mean), str(stored.get("unit"))) if known else (None, "")
+
+    @property
+    def at_least(self) -> tuple[str, ...]:
+        """The figures that are lower bounds, for the output is clipped."""
+        clipped = any(t.clipped for c in self.cycles for t in (c.heating, c.cooling) if t is not None)
+        return ("stroke",) if clipped else ()
 
     @property
     def assembled(self) -> tuple[str, ...]:
@@ -151,6 +158,7 @@ def run_figures(run: Run) -> RunFigures:
             *record.notes,
             *([note] if (note := lag_note(branches, record.lag_s, "K")) else []),
             *left_out_note(cycles, averaged),
+            *_clipped_notes(averaged, record),
             *_interruptions(branches),
             *_notes(averaged),
             *_jumps(cycles, record),
@@ -170,6 +178,7 @@ def _cycles(
             continue
         if set(used) == {HEATING, COOLING}:
             used = _with_borrowed(used)
+        used = {d: _without_clipped(t, record) for d, t in used.items()}
         parts = {branches[k].direction: branches[k] for k in own if k in tangents}
         used = {d: with_lag(t, parts[d], record.lag_s) for d, t in used.items()}
         used = {d: with_heat_loss(t, record.heat_loss) for d, t in used.items()}
@@ -189,6 +198,28 @@ def _with_borrowed(used: dict[str, BranchTangents]) -> dict[str, BranchTangents]
             if getattr(branch, side) is None and _closes(branch, donor, side) and _through(branch, side):
                 found[direction] = with_borrowed_plateau(found[direction], donor, side)
     return found
+
+
+def _without_clipped(tangents: BranchTangents, record: TemperatureRecord) -> BranchTangents:
+    """Without the corners at which the range of the sensor ends: the plateau of the wire lies beyond."""
+    sides = dict(_clipped_sides(tangents.u, tangents.y, record.clipped_at))
+    unit = spaced(_shown_unit(record.unit))
+    reasons = {side: f"the output is clipped at {value:.4g}{unit} there" for side, value in sides.items()}
+    return replace(
+        tangents,
+        low=None if "low" in sides else tangents.low,
+        high=None if "high" in sides else tangents.high,
+        why_not=tangents.why_not | reasons,
+        clipped=sides,
+    )
+
+
+def _clipped_sides(u: Array, y: Array, clipped_at: Sequence[float]) -> Iterator[tuple[str, float]]:
+    """The sides of a branch at which its output is clipped, "low" or "high", and the value that it has there."""
+    for value in clipped_at:
+        at = np.abs(y - value) <= _SAME * np.ptp(y)
+        if at.sum() > 1:
+            yield ("low" if u[at].mean() < u.mean() else "high"), value
 
 
 def _closes(branch: BranchTangents, other: BranchTangents, side: str) -> bool:
@@ -258,6 +289,18 @@ def _notes(cycles: Sequence[CycleFigures]) -> list[str]:
             "residual."
         )
     return notes
+
+
+def _clipped_notes(cycles: Sequence[CycleFigures], record: TemperatureRecord) -> Iterator[str]:
+    """A sentence for each side of the loop at which the output is clipped."""
+    own = [t.clipped for c in cycles for t in (c.heating, c.cooling) if t is not None]
+    sides = {side: value for clipped in own for side, value in clipped.items()}
+    for side, value in sides.items():
+        names = " and ".join(name for name, (_, at) in CORNERS.items() if at == side)
+        yield (
+            f"{names} are not known: the output is clipped at {value:.4g}{spaced(_shown_unit(record.unit))}, where the "
+            "range of the sensor ends. The stroke is a lower bound."
+        )
 
 
 def _interruptions(branches: Sequence[FullBranch]) -> Iterator[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.core import Array, UsageError
+from smarig.core import Array, Quality, UsageError
 from smarig.measurement import dropouts
 from smarig.plant import Actuator
 from smarig.record import Run, counted
@@ -37,7 +37,8 @@ class TemperatureRecord:
     ``to_degC_K`` is added to u to give °C, None if the ambient temperature is not known; ``ambient_degC`` is its mean.
     ``t_s`` (k,) are the times of the readings of a run that did not settle, None if they are not known. ``lag_s`` is
     the time constant of the heating from which temperatures come, None for measured ones and settled points, and
-    ``heat_loss`` its error. ``notes`` state which readings were left out, and where temperatures were not measured.
+    ``heat_loss`` its error. ``clipped_at``: the outputs at which the range of their sensor ends. ``notes`` state which
+    readings were left out, and where temperatures were not measured.
     """
 
     u: Array
@@ -50,6 +51,7 @@ class TemperatureRecord:
     t_s: Array | None = None
     lag_s: float | None = None
     heat_loss: HeatLossError | None = None
+    clipped_at: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
@@ -105,6 +107,7 @@ def temperature_record(run: Run) -> TemperatureRecord:
         t_s=t_s,
         lag_s=None if t_s is None or route.heated is None else route.heated.tau_s,
         heat_loss=route.heat_loss,
+        clipped_at=_clipped_at(run),
         notes=tuple(notes),
     )
 
@@ -157,6 +160,15 @@ def _check_input(run: Run) -> None:
             f"The hysteresis input of {run.name} is a difference of the temperatures of two wires, which has no "
             "transformation temperatures. Use a run of one wire."
         )
+
+
+def _clipped_at(run: Run) -> tuple[float, ...]:
+    """The outputs that the import found to be ends of the range of their sensor."""
+    if not any(f.kind == "clipped output" for f in run.info.import_findings):
+        return ()
+    y, marks = run["position"], np.nan_to_num(run["quality"]).astype(int)
+    saturated = y[(marks & Quality.SATURATED) > 0]
+    return tuple(v for v in (float(np.nanmin(y)), float(np.nanmax(y))) if (saturated == v).sum() > 1)
 
 
 def _check_size(run: Run, u: Array, y: Array) -> None:

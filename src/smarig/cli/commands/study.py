@@ -119,7 +119,7 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
     temperatures = result.transformation.lines() if result.transformation else []
     step = [f"Next: {text}"] if (text := next_step(result)) else []
     lines = [
-        *result.masked(),
+        *result.false_readings(),
         *filter(None, result.sentences()),
         *step,
         *field_sentences(result.field_loops),
@@ -127,7 +127,7 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
         *result.reasons,
         *result.hints(),
     ]
-    lines = list(dict.fromkeys([*lines, f"Page: {out / 'index.html'}"]))  # what was masked is a hint as well
+    lines = list(dict.fromkeys([*lines, f"Page: {out / 'index.html'}"]))  # what is false is a hint as well
     emit(result.to_json(), "\n".join(lines))
 
 

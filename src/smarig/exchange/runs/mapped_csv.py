@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import Array, DataError, shown, spaced
+from smarig.core import Array, DataError, Quality, shown, spaced
 from smarig.exchange.checks.channel_faults import quantum, unused_findings
+from smarig.exchange.checks.clipped_output import clipped_findings, clipped_output
 from smarig.exchange.checks.findings import (
     duplicate_columns,
     record_findings,
@@ -82,6 +83,10 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
         odd += stuck
     units = {channel: mapping.unit_of(channel) for channel in columns if channel not in ("t_s", "step")}
     columns["quality"] = saturation_marks(columns, units)
+    if "position" in columns:
+        clipped = clipped_output(columns["input"], columns["position"])
+        columns["quality"] = np.fmax(columns["quality"], clipped * float(Quality.SATURATED))
+        odd += clipped_findings(units["position"], columns["position"], clipped, line)
     findings = [
         *remarks(*table.notes),
         *part,
