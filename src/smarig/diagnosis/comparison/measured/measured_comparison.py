@@ -35,6 +35,7 @@ from smarig.record import Run
 Mask = NDArray[np.bool_]
 BASE_STEPS = 30
 OFFSET = "input_offset"
+RatioOf = Callable[[Sequence[MeasurementEffect]], float | None]
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
 OF_EACH_RUN = (OFFSET, "run")  # of a held-out run they say nothing
 BETWEEN_RUNS = (OFFSET, "stress_shift", "run", "stress")
@@ -94,12 +95,14 @@ def compare_measured(
     progress: Callable[[str], None] = lambda _: None,
     selected: Sequence[Mask] | None = None,
     law_of: LawOf = lambda _: None,
+    ratio_of: RatioOf = lambda _: None,
     seed: int = 0,
 ) -> MeasuredComparison:
     """Compare what may be wrong with a plain model of runs; ``without``: names of effects that are not tested for.
 
     ``selected``: the rows (n,) of each record that may be read; None: all. ``law_of`` gives the law of a variable, or
-    None. ``seed`` is that of the resampling of blocks. Raises DataError if the runs hold too few readings.
+    None; ``ratio_of`` the error on held-out readings of the model with effects over that of the plain one, None if it
+    is not known. ``seed`` is that of the resampling of blocks. Raises DataError if the runs hold too few readings.
     """
     started = time.monotonic()
     wires = wire_records(train_runs, held_out_runs, selected)
@@ -120,7 +123,8 @@ def compare_measured(
     )
     held = _held_out_errors(base, weights)
     evidence = _evidence(problem, base, weights, held)
-    verdict = decide(evidence)
+    is_off = _held_out_is_off(base) and missing < RULES["not_determined"].value
+    verdict = _borne_out(decide(evidence), evidence, weights, ratio_of if is_off else None)
     deciding = weights
     if held and verdict.word in ("silent", "unknown"):
         verdict, deciding = _with_held_out_runs(wires, verdict, held, weights, base, missing, without, seed)
@@ -209,6 +213,19 @@ def _evidence(
         testable=len(weights.hypotheses) > 1,
     )
     return with_effects_alone(evidence, weights)
+
+
+def _borne_out(verdict: Verdict, e: VerdictEvidence, weights: Weights, ratio_of: RatioOf | None) -> Verdict:
+    """The verdict, without names if the model that they extend removes less of the held-out error than it leaves.
+
+    The comparison may describe by a flexible density, or a variable beside an effect, what no model with the effect
+    alone predicts.
+    """
+    ratio = ratio_of(_effects(verdict, weights)) if ratio_of and verdict.word == "named" else None
+    if ratio is None or not _leaves_more(ratio):
+        return verdict
+    named = {p for p in e.causes if p.kind == "effect" and p.name in verdict.names}
+    return decide(replace(e, not_borne_out=e.not_borne_out | named))
 
 
 def _leaves_more(ratio: float) -> bool:

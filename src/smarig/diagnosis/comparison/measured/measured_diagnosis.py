@@ -6,7 +6,7 @@ The comparison of hypotheses finds what is wrong; the extended model has its eff
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from smarig.diagnosis.comparison.measured.measured_extension import (
     extension_by_law,
     held_out_error,
     hysteresis_of_first_run,
+    ratio_by_effects,
     with_proportional_part,
 )
 from smarig.diagnosis.comparison.measured.measured_json import measured_json
@@ -270,7 +271,14 @@ def diagnose_measured(
     limit = _error_to_beat(error[tested], given[tested], model, held_out)
     plain = PlainModel(model, base, comparison, tuple(train), tuple(held_out), limit)
     evidence = compare_measured(
-        train, held_out, without, progress, selected, lambda v: next(iter(_terms(plain, v)), None), seed
+        train,
+        held_out,
+        without,
+        progress,
+        selected,
+        lambda v: next(iter(_terms(plain, v)), None),
+        partial(ratio_by_effects, plain),
+        seed,
     )
     extension = _extension(plain, evidence)
     gain = _gain(error, extension.error if extension else error, given, comparison, evidence.noise)

@@ -85,6 +85,17 @@ def extension_by_effects(
     plain: PlainModel, effects: Sequence[MeasurementEffect], word: str
 ) -> MeasuredExtension | None:
     """The model with effects; None if it predicts left-out blocks or held-out runs worse than the plain one."""
+    return _if_better(plain, _with_effects(plain, effects, word))
+
+
+def ratio_by_effects(plain: PlainModel, effects: Sequence[MeasurementEffect]) -> float | None:
+    """The error on held-out readings of the model with effects over that of the plain one; None without any."""
+    tested = ~plain.comparison.train
+    before = root_mean_square(held_out_error(plain.base, len(plain.records))[tested]) if tested.any() else 0.0
+    return root_mean_square(_with_effects(plain, effects, "named").error[tested]) / before if before else None
+
+
+def _with_effects(plain: PlainModel, effects: Sequence[MeasurementEffect], word: str) -> MeasuredExtension:
     found = plain.comparison.evaluated(effects, near=plain.base.fit)
     warning = f"Effects by diagnosis ({word}); measure identified jointly."
     condition = effects[0].kind.by_condition if len(effects) == 1 else ""
@@ -92,12 +103,12 @@ def extension_by_effects(
         load = fit_load_dependence(plain.records, condition)
         model = extended_model(plain, load.hysteresis, load.part, found.name, warning)
         error = replayed_error(model, [*plain.train, *plain.held_out], plain.comparison, about_mean=False)
-        return _if_better(plain, MeasuredExtension(model, found, error, load=load))
+        return MeasuredExtension(model, found, error, load=load)
     table = condition_table(found, len(plain.records))
     part = MeasurementPart(tuple(effects), tuple(found.fit.amplitudes.tolist()), table)
     hysteresis = found.fit.table if table else hysteresis_of_first_run(found.fit)
     model = extended_model(plain, hysteresis, part, found.name, warning)
-    return _if_better(plain, MeasuredExtension(model, found, held_out_error(found, len(plain.records))))
+    return MeasuredExtension(model, found, held_out_error(found, len(plain.records)))
 
 
 def extension_by_law(plain: PlainModel, variable: str) -> MeasuredExtension | None:
