@@ -57,6 +57,36 @@ def test_a_jump_of_the_first_part_stays_in_the_held_out_part(tmp_path):
     assert result.evaluation.best.rms < 2.5 * SIGMA
 
 
+def test_a_jump_within_the_held_out_part_is_told(tmp_path):
+    """The clamp slips in the fifth of six cycles: nothing that is fitted shows it."""
+    t, u, y = clamped(shift=0.0)
+    result = study([written(tmp_path, (t, u, y + 0.8 * (t > 430)))], tmp_path / "out", StudyOptions())
+    assert result.split is not None
+    assert result.split.kind == "time"
+    assert result.diagnosis is not None
+    assert result.diagnosis.verdict.names == ("output_jump",)
+    (effect,) = result.diagnosis.effects()
+    at = next(p for p in effect["parameters"].values() if p["unit"] == "h")
+    assert 3600 * at["value"] == pytest.approx(430, abs=8)
+    assert effect["parameters"]["amplitude"]["value"] == pytest.approx(0.8, rel=0.1)
+    assert "A cause was found: output_jump." in result.sentences()[2]
+
+
+@pytest.mark.parametrize("change", ["nothing", "within the noise", "shifted input", "softer"])
+def test_what_is_no_jump_within_the_held_out_part_is_not_called_one(tmp_path, change):
+    t, u, y = clamped(shift=0.0)
+    late, other = t > 430, clamped(shift=0.0)
+    if change == "within the noise":
+        y = y + 0.3 * SIGMA * late
+    elif change == "shifted input":
+        u = np.where(late, other[1] + 5.0, u)
+    elif change == "softer":
+        y = np.where(late, 0.85 * y, y)
+    result = study([written(tmp_path, (t, u, y))], tmp_path / "out", StudyOptions())
+    assert result.diagnosis is not None
+    assert "output_jump" not in [f.name for f in result.diagnosis.findings]
+
+
 def test_the_part_that_goes_on_states_when_the_record_began_and_its_cycles(tmp_path):
     file = written(tmp_path, clamped(), start=100.0)
     result = study([file], tmp_path / "out", StudyOptions(diagnose=False))

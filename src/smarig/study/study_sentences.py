@@ -224,7 +224,11 @@ def _finding(
             return f"The errors that are left {what}, and so does the {' and the '.join(differing)}."
         joined = "; " if named else ", but "
         return f"The errors that are left {what}{joined}no known effect explains them{_learned_instead(d)}."
-    if word == "named" and isinstance(d, MeasuredDiagnosis) and d.best is not None:
+    if (
+        word == "named"
+        and isinstance(d, MeasuredDiagnosis)
+        and (d.best is not None or d.evidence.jump is not None)
+    ):
         return " ".join(_effects(d))
     return first_line if first_line.endswith(".") else f"{first_line}."
 
@@ -235,7 +239,7 @@ def _learned_instead(d: CommandedDiagnosis | MeasuredDiagnosis) -> str:
 
 def _effects(d: MeasuredDiagnosis) -> list[str]:
     """Each effect found: its name, what it is, and its strength with an interval."""
-    summaries = {e.kind.name: e.kind.summary for e in d.best.effects} if d.best else {}
+    summaries = {e.kind.name: e.kind.summary for e in (d.best.effects if d.best else d.evidence.effects)}
     return [_effect(e["name"], summaries.get(e["name"], ""), e["parameters"]) for e in d.effects()]
 
 

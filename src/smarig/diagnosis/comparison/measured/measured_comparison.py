@@ -40,7 +40,14 @@ TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of
 OF_EACH_RUN = (OFFSET, "run")  # of a held-out run they say nothing
 BETWEEN_RUNS = (OFFSET, "stress_shift", "run", "stress")
 OF_RATES = ("input_lag", "rate")  # runs at other rates differ by these, too
+JUMP = "output_jump"
 DRIFTS = ("input_drift", "output_drift")  # what goes on within the runs goes on between them
+WITHIN_A_RECORD = (
+    JUMP,
+    "ratcheting",
+    "time",
+    "cycle",
+)  # its later part may hold them, though the earlier does not
 
 
 @dataclass(frozen=True)
@@ -67,7 +74,8 @@ class MeasuredComparison:
     heaviest hypothesis. ``base_error`` and ``extended_error`` of blocks left out; ``held_out``: error by name of a
     hypothesis. ``missing``: what the training runs do not determine and the held-out runs need, if it is their error.
     ``adequate``: whether the plain model misses the training readings by hardly more than their noise. ``testable``:
-    names of the effects that these records can show. ``effects``: those of the verdict's names, all of a name, the
+    names of the effects that these records can show. ``jump``: by how much the output jumps in the held-out part of a
+    record, if that is the verdict. ``effects``: those of the verdict's names, all of a name, the
     likeliest of a set. ``offsets``, where the verdict lies between runs, of held-out runs first.
     """
 
@@ -86,6 +94,7 @@ class MeasuredComparison:
     testable: tuple[str, ...]
     excursions: int
     seconds: float
+    jump: float | None = None
 
 
 def compare_measured(
@@ -146,6 +155,7 @@ def compare_measured(
         testable=_testable(problem, deciding),
         excursions=problem.excursions,
         seconds=time.monotonic() - started,
+        jump=None if deciding is weights or verdict.names != (JUMP,) else _jump(deciding),
     )
 
 
@@ -274,27 +284,56 @@ def _with_held_out_runs(
     without: Sequence[str],
     seed: int,
 ) -> tuple[Verdict, Weights]:
-    """The verdict with the held-out runs as blocks, if the plain model predicts them worse than its own blocks.
+    """The verdict with the held-out readings as blocks, if the plain model predicts them worse than its own blocks.
 
     It takes the place of a verdict of the training runs that says nothing, or that leaves more of the held-out runs'
     error than this removes.
     """
-    runs = [w.held_out.all() for w in wires]
-    if not any(runs) or not _held_out_is_off(base) or missing >= RULES["not_determined"].value:
+    whole = [w.held_out.all() for w in wires if w.held_out.any()]
+    if not _held_out_is_off(base) or missing >= RULES["not_determined"].value:
         return verdict, own
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     basis, plain = first_basis(problem, BASE_STEPS)
-    only = (*BETWEEN_RUNS, *OF_RATES, *DRIFTS)
+    only = (*(BETWEEN_RUNS if any(whole) else ()), *OF_RATES, *DRIFTS)
+    only += () if all(whole) else WITHIN_A_RECORD
     weights = _weighed(
         problem, searched_hypotheses(basis, plain.trial(), lambda _: None, only, without), seed
     )
-    found = decide(drifting(_evidence(problem, plain.kept(), weights, {})))
+    of_held_out = np.concatenate([w.held_out[rows] for w, rows in zip(wires, problem.rows)])
+    evidence = drifting(_evidence(problem, plain.kept(), weights, {}))
+    found = decide(evidence if all(whole) else _with_jump(evidence, weights, of_held_out))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
-    of_held_out = np.isin(problem.record, np.flatnonzero(runs))
+    if not any(whole):  # what acts all along, the fitted part has shown
+        clearer = found.word == "named" and JUMP in found.names
     left = root_mean_square(fitted(weights.heaviest).error[of_held_out])
     own_error = held.get(own.heaviest.name, held["nothing"])
     keeps = verdict.depends_on not in (None, *BETWEEN_RUNS) and _leaves_more(left / own_error)
     return (found, weights) if clearer and not keeps else (verdict, own)
+
+
+def _jump(weights: Weights) -> float:
+    """By how much the output jumps, in its unit: what is added after it less what is before."""
+    found = fitted(next(h for h in weights.hypotheses if h.name == JUMP))
+    (name,) = next(iter(found.candidate.effects)).values
+    problem = found.problem
+    records = [k for k, r in enumerate(problem.records) if name in (r.whole, r.name)]
+    added = found.added[np.isin(problem.record, records)]
+    return float((added[-1] - added[0]) * problem.scale)
+
+
+def _with_jump(e: VerdictEvidence, weights: Weights, of_held_out: Mask) -> VerdictEvidence:
+    """Evidence with what a jump leaves of the errors of held-out readings in blocks left out, over what nothing does.
+
+    These are readings of another part of the record than the model was fitted to.
+    """
+    jump = Part("effect", JUMP)
+    if jump not in e.causes:
+        return e
+    single = next(h for h in weights.hypotheses if h.parts == (jump,))
+    before, after = (root_mean_square(fitted(h).error[of_held_out]) for h in (weights.hypotheses[0], single))
+    ratio = after / before
+    refuted = e.not_borne_out | ({jump} if _leaves_more(ratio) else set())
+    return replace(e, held_out={**e.held_out, jump: ratio}, not_borne_out=refuted)
 
 
 def drifting(e: VerdictEvidence) -> VerdictEvidence:

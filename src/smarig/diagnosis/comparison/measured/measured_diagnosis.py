@@ -184,7 +184,8 @@ class MeasuredDiagnosis(NotebookDisplay):
         return self.extension.law if self.extension else None
 
     def _findings(self) -> Iterator[Finding]:
-        amplitudes = iter(self.best.fit.amplitudes.tolist() if self.best else ())
+        jump = self.evidence.jump
+        amplitudes = iter(self.best.fit.amplitudes.tolist() if self.best else [] if jump is None else [jump])
         for effect in self.evidence.effects:
             kind, intervals = effect.kind, self.evidence.parameters.get(effect.kind.name, {})
             units = {p.name: p.unit for p in kind.parameters(self.records) or ()}
