@@ -14,6 +14,7 @@ from smarig.study.held_loads import tables_of_loads
 from smarig.study.joined_blocks import joined_blocks
 from smarig.study.joined_channels import joined_channels
 from smarig.study.questions import StudyCommand, answering, question
+from smarig.study.result_rows import refuse_result_rows
 from smarig.study.run_conditions import with_run_conditions
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import Role, TableGuess, guess_table
@@ -174,6 +175,8 @@ def _answered(
     if guess.table.format == _FORC or options.mapping is not None:
         return guess, options, 0  # these data, or the given mapping, say it themselves
     _check_no_rate(guess, options)
+    if options.input is None and options.output is None:
+        refuse_result_rows(guess)
     given: dict[str, Any] = {"input": options.input, "output": options.output}
     units = dict(options.units)
     while ask is not None and not options.accept and guess.doubts:
