@@ -30,6 +30,9 @@ def leading_units(columns: Sequence[FoundColumn]) -> dict[str, str]:
     >>> heads = ["time", "kPa Suction", "°C Soil", "% Battery"]
     >>> leading_units([FoundColumn(head, "", arange(3.0)) for head in heads])
     {'kPa Suction': 'kPa', '°C Soil': '°C', '% Battery': '%'}
+    >>> heads = ["group/Model a/Temperature [°C]", "group/Model a/Displacement [mm]"]
+    >>> leading_units([FoundColumn(head, "", arange(3.0)) for head in heads])
+    {}
     >>> leading_units([FoundColumn(head, "", arange(3.0)) for head in ("T wire", "V supply", "mm stroke")])
     {}
     """
@@ -39,7 +42,7 @@ def leading_units(columns: Sequence[FoundColumn]) -> dict[str, str]:
     found |= {  # a quotient of units that is not known, such as mS/cm
         name: words[0]
         for name, words in split.items()
-        if len(words) == 2 and name not in found and "/" in words[0].strip("/")
+        if len(words) == 2 and name not in found and known_unit(words[0].partition("/")[2])
     }
     sure = {
         unit for unit in found.values() if known_unit(unit) and len(unit) > 1 and unit.lower() not in _WORDS
