@@ -1,12 +1,13 @@
 """Archives of exported tables: their texts are unpacked into one folder, within limits, and nothing else is."""
 
 import io
+import re
 import zipfile
 
 import numpy as np
 import pytest
 
-from smarig.core import DataError
+from smarig.core import DataError, StorageError, UsageError
 from smarig.exchange import is_text_archive, unpack_texts
 from smarig.exchange.binary import text_archive
 from smarig.study import find_files, study_each
@@ -64,6 +65,23 @@ def test_a_damaged_archive_is_none(tmp_path):
     path = archive(tmp_path, {"a.csv": TABLE})
     path.write_bytes(path.read_bytes()[:-30])
     assert not is_text_archive(path)
+
+
+def test_an_archive_that_is_not_read_is_named(tmp_path):
+    path = archive(tmp_path, {"inner.zip": b"PK\3\4"})
+    with pytest.raises(UsageError, match=f"Unpack {re.escape(str(path))}"):
+        find_files([tmp_path])
+
+
+def test_a_full_disk_is_no_damaged_archive(tmp_path, monkeypatch):
+    path = archive(tmp_path, {"a.csv": TABLE})
+
+    def full(*_, **__):
+        raise StorageError("The disk is full.")
+
+    monkeypatch.setattr(text_archive, "atomic_file", full)
+    with pytest.raises(StorageError, match="The disk is full"):
+        unpack_texts(path, tmp_path / "out")
 
 
 def test_the_tables_of_an_archive_in_a_folder_are_studied(tmp_path):

@@ -23,6 +23,7 @@ _OTHER_KINDS = (
     ".ini",
     ".gz",
 )
+_PACKED = (".zip", ".gz")
 _TABLES = (".csv", ".tsv", ".dat", ".asc", ".json", ".jsonl", ".ndjson")
 _TEXTS = ("", ".txt", ".text", ".log")
 _ABOUT = re.compile(
@@ -58,7 +59,11 @@ def find_files(places: Sequence[Path]) -> FoundFiles:
             check_file(place)
             data[place] = None
     if not data:
-        raise UsageError(f"There is no file with data in {', '.join(map(str, places))}.")
+        packed = next((file for file in left_out if file.suffix.lower() in _PACKED), None)
+        more = (
+            f" Unpack {packed}: it holds no texts, or more than are read from an archive." if packed else ""
+        )
+        raise UsageError(f"There is no file with data in {', '.join(map(str, places))}.{more}")
     if len(data) > MOST_FILES:
         raise UsageError(f"These are {len(data)} files, more than {MOST_FILES}. Study a part of them.")
     return FoundFiles(tuple(data), tuple(file for file in left_out if file not in data))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from smarig.core import DataError, atomic_file
+from smarig.core import DataError, SmarigError, atomic_file
 from smarig.exchange.binary.workbook_file import MAX_UNPACKED
 
 MAX_PARTS = 1000
@@ -63,7 +63,7 @@ def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
             if len(parts) > MAX_PARTS:
                 raise DataError(f"{path} holds {len(parts)} files, more than {MAX_PARTS}. Split it.")
             yield archive
-    except (DataError, OSError):
+    except (SmarigError, OSError):  # of the archive, or of what is done with it: a full disk, for example
         raise
     except Exception as error:  # zipfile raises whatever a damaged directory leads to
         raise DataError(
